@@ -1,0 +1,233 @@
+"""Body: a handle into the arrays of its world. Reading copies three numbers, setting takes effect at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stiction import checks
+from stiction.errors import InvalidInputError
+from stiction.shapes import Shape
+
+if TYPE_CHECKING:
+    from stiction.world import World
+
+Array = NDArray[np.float64]
+
+
+class Body:
+    """One rigid body of a world, made by :meth:`stiction.World.add`.
+
+    Position and orientation are those of the shape's own frame; velocity is that of the centre of mass. All vectors are
+    in world axes but ``inertia``. What a getter returns is a copy; use the world's arrays for many bodies at once.
+    """
+
+    __slots__ = ("_world", "index", "material", "name", "shape")
+
+    def __init__(self, world: World, index: int, name: str, shape: Shape, material: str) -> None:
+        self._world = world
+        self.index = index
+        self.name = name
+        self.shape = shape
+        self.material = material
+
+    def __repr__(self) -> str:
+        return f"<Body {self.name!r} ({self.mobility} {self.shape.kind}, {self.material})>"
+
+    # --- state ----------------------------------------------------------------------------------------------------------
+
+    @property
+    def position(self) -> Array:
+        """Origin of the shape's frame, (3,), m."""
+        return self._get("POSITION", 3)
+
+    @position.setter
+    def position(self, value: ArrayLike) -> None:
+        self._set("POSITION", checks.vector(f"position of body {self.name!r}", value))
+
+    @property
+    def orientation(self) -> Array:
+        """Unit quaternion (w, x, y, z), (4,). Setting normalises."""
+        return self._get("ORIENTATION", 4)
+
+    @orientation.setter
+    def orientation(self, value: ArrayLike) -> None:
+        self._set("ORIENTATION", checks.unit_quaternion(f"orientation of body {self.name!r}", value))
+
+    @property
+    def velocity(self) -> Array:
+        """Velocity of the centre of mass, (3,), m/s."""
+        return self._get("V", 3)
+
+    @velocity.setter
+    def velocity(self, value: ArrayLike) -> None:
+        velocity = checks.vector(f"velocity of body {self.name!r}", value)
+        self._must_move("velocity", velocity)
+        self._set("V", velocity)
+
+    @property
+    def angular_velocity(self) -> Array:
+        """Angular velocity in world axes, (3,), rad/s."""
+        return self._get("W", 3)
+
+    @angular_velocity.setter
+    def angular_velocity(self, value: ArrayLike) -> None:
+        spin = checks.vector(f"angular_velocity of body {self.name!r}", value)
+        self._must_move("angular_velocity", spin)
+        self._set("W", spin)
+
+    @property
+    def surface_velocity(self) -> Array:
+        """Velocity of the surface relative to the body, in the shape's axes, (3,), m/s: a conveyor belt."""
+        return self._get("SURFACE", 3)
+
+    @surface_velocity.setter
+    def surface_velocity(self, value: ArrayLike) -> None:
+        self._set("SURFACE", checks.vector(f"surface_velocity of body {self.name!r}", value))
+
+    # --- mass -------------------------------------------------------------------------------------------------------------
+
+    @property
+    def mobility(self) -> str:
+        """``static``, ``kinematic`` or ``dynamic``."""
+        return self._world._mobility(self.index)
+
+    @property
+    def mass(self) -> float:
+        """In kg; infinite unless dynamic. Setting scales the inertia tensor alike."""
+        return float(self._get("MASS", 1)[0]) if self.mobility == "dynamic" else float("inf")
+
+    @mass.setter
+    def mass(self, value: float) -> None:
+        mass = checks.positive(f"mass of body {self.name!r}", value, "kg")
+        self._must_be_dynamic("mass")
+        self._world._set_mass(self.index, mass, self.inertia * (mass / self.mass))
+
+    @property
+    def inertia(self) -> Array:
+        """Inertia tensor about the centre of mass in the shape's axes, (3, 3), kg m^2."""
+        return self._get("INERTIA", 9).reshape(3, 3)
+
+    @inertia.setter
+    def inertia(self, value: ArrayLike) -> None:
+        inertia = checked_inertia(f"inertia of body {self.name!r}", value)
+        self._must_be_dynamic("inertia")
+        self._world._set_mass(self.index, self.mass, inertia)
+
+    @property
+    def center_of_mass(self) -> Array:
+        """Centre of mass in the world, (3,), m."""
+        w, x, y, z = self.orientation
+        local = self._get("CENTER", 3)
+        turned = 2.0 * np.cross([x, y, z], local)
+        return self.position + local + w * turned + np.cross([x, y, z], turned)
+
+    @property
+    def kinetic_energy(self) -> float:
+        """Of translation and rotation, J; 0 unless dynamic."""
+        return self._world._kinetic_energy(self.index)
+
+    @property
+    def friction_work(self) -> float:
+        """Energy lost to friction and rolling resistance at this body's contacts so far, J.
+
+        What two dynamic bodies lose to each other is shared half and half.
+        """
+        return float(self._get("FRICTION_WORK", 1)[0])
+
+    @property
+    def awake(self) -> bool:
+        """Whether the body takes part in the simulation. ``micro`` lets no body sleep."""
+        return self.mobility != "static"
+
+    # --- forces -------------------------------------------------------------------------------------------------------------
+
+    def apply_force(self, force: ArrayLike, at: ArrayLike | None = None) -> None:
+        """Add a force until the end of the next step.
+
+        Args:
+            force: (3,), N.
+            at: point of application in the world, (3,), m; the centre of mass if left out.
+        """
+        f = checks.vector(f"force on body {self.name!r}", force)
+        arm = self._arm(at)
+        self._must_be_dynamic("force")
+        self._add("FORCE", f)
+        if arm is not None:
+            self._add("TORQUE", np.cross(arm, f))
+
+    def apply_torque(self, torque: ArrayLike) -> None:
+        """Add a torque, (3,), N m, until the end of the next step."""
+        t = checks.vector(f"torque on body {self.name!r}", torque)
+        self._must_be_dynamic("torque")
+        self._add("TORQUE", t)
+
+    def apply_impulse(self, impulse: ArrayLike, at: ArrayLike | None = None) -> None:
+        """Change the velocities at once by an impulse.
+
+        Args:
+            impulse: (3,), N s.
+            at: point of application in the world, (3,), m; the centre of mass if left out.
+        """
+        p = checks.vector(f"impulse on body {self.name!r}", impulse)
+        arm = self._arm(at)
+        self._must_be_dynamic("impulse")
+        self._add("V", p / self.mass)
+        if arm is not None:
+            self._add("W", self._world._world_inverse_inertia(self.index) @ np.cross(arm, p))
+
+    # --- inside -------------------------------------------------------------------------------------------------------------
+
+    def _get(self, column: str, width: int) -> Array:
+        return self._world._read(self.index, column, width)
+
+    def _set(self, column: str, value: Array) -> None:
+        self._world._write(self.index, column, value)
+
+    def _add(self, column: str, value: Array) -> None:
+        self._set(column, self._get(column, len(value)) + value)
+
+    def _arm(self, at: ArrayLike | None) -> Array | None:
+        return None if at is None else checks.vector("at", at) - self.center_of_mass
+
+    def _must_be_dynamic(self, what: str) -> None:
+        if self.mobility != "dynamic":
+            raise InvalidInputError(
+                f"{what} of body {self.name!r} has no effect, for it is {self.mobility}, not dynamic."
+            )
+
+    def _must_move(self, what: str, value: Array) -> None:
+        if self.mobility == "static" and value.any():
+            raise InvalidInputError(
+                f"{what} of body {self.name!r} must be zero, for it is static (kinematic ones move)."
+            )
+
+
+def checked_inertia(name: str, value: Any) -> Array:
+    """An inertia tensor (3, 3): symmetric, positive definite, principal moments that obey the triangle inequality."""
+    try:
+        inertia = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInputError(f"{name} must be three moments or a (3, 3) tensor, got {value!r}.") from None
+    if inertia.shape == (3,):
+        inertia = np.diag(inertia)
+    if inertia.shape != (3, 3):
+        raise InvalidInputError(f"{name} must be three moments or a (3, 3) tensor, got shape {inertia.shape}.")
+    if not np.isfinite(inertia).all():
+        raise InvalidInputError(f"{name} must be finite, got {value!r}.")
+    if not np.allclose(inertia, inertia.T, rtol=1e-9, atol=0.0):
+        raise InvalidInputError(f"{name} must be symmetric, got {value!r}.")
+    inertia = 0.5 * (inertia + inertia.T)
+    low, middle, high = np.linalg.eigvalsh(inertia)
+    if low <= 0.0:
+        raise InvalidInputError(
+            f"{name} must have positive principal moments, got {low:g}, {middle:g}, {high:g} kg m^2."
+        )
+    if high > (low + middle) * (1 + 1e-9):
+        raise InvalidInputError(
+            f"{name} must obey the triangle inequality (no principal moment above the sum of the others), "
+            f"got {low:g}, {middle:g}, {high:g} kg m^2."
+        )
+    return inertia

@@ -1,0 +1,60 @@
+"""Contacts of a sphere: with a sphere, a box and a plane. One point each."""
+
+from __future__ import annotations
+
+import math
+
+from stiction.core.collide.manifold import emit
+from stiction.core.jit import jit
+from stiction.core.vec import Vec3, dot, length, rotation, transpose
+
+
+@jit
+def sphere_sphere(contacts, tags, count, a, pa, ra, b, pb, rb, margin):
+    """The point half way between the surfaces, on the line of centres."""
+    d = pb - pa
+    distance = length(d)
+    separation = distance - ra - rb
+    if separation > margin:
+        return count
+    normal = d * (1.0 / distance) if distance > 0.0 else Vec3(0.0, 0.0, 1.0)
+    return emit(contacts, tags, count, a, b, pa + normal * (ra + 0.5 * separation), normal, separation, 0)
+
+
+@jit
+def sphere_box(contacts, tags, count, a, pa, radius, b, pb, qb, half, margin):
+    """The point of the box nearest to the centre; from inside, the face that is nearest."""
+    R = rotation(qb)
+    c = transpose(R) @ (pa - pb)
+    near = Vec3(
+        min(max(c.x, -half.x), half.x), min(max(c.y, -half.y), half.y), min(max(c.z, -half.z), half.z)
+    )  # fmt: skip
+    d = c - near
+    distance = length(d)
+    if distance > 0.0:
+        separation = distance - radius
+        if separation > margin:
+            return count
+        outward = d * (1.0 / distance)
+    else:
+        gx, gy, gz = half.x - abs(c.x), half.y - abs(c.y), half.z - abs(c.z)
+        if gx <= gy and gx <= gz:
+            outward = Vec3(math.copysign(1.0, c.x), 0.0, 0.0)
+            separation = -gx - radius
+        elif gy <= gz:
+            outward = Vec3(0.0, math.copysign(1.0, c.y), 0.0)
+            separation = -gy - radius
+        else:
+            outward = Vec3(0.0, 0.0, math.copysign(1.0, c.z))
+            separation = -gz - radius
+    normal = -(R @ outward)
+    return emit(contacts, tags, count, a, b, pa + normal * (radius + 0.5 * separation), normal, separation, 0)
+
+
+@jit
+def sphere_plane(contacts, tags, count, a, pa, radius, b, n, offset, margin):
+    """``n`` and ``offset`` of the plane in world coordinates."""
+    separation = dot(n, pa) - offset - radius
+    if separation > margin:
+        return count
+    return emit(contacts, tags, count, a, b, pa - n * (radius + 0.5 * separation), -n, separation, 0)

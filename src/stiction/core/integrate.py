@@ -1,0 +1,260 @@
+"""Motion between contacts: forces, the gyroscopic term, and moving the bodies.
+
+Velocities go from v_start to v in a step. A body that rests, slides, rolls or flies moves with their mean, which is exact
+for constant forces: semi-implicit Euler would make every stopping distance v dt / 2 too short. Only where the mean would
+carry a contact into the other body (it has just landed), the new velocity is used alone.
+"""
+
+from __future__ import annotations
+
+import math
+
+from stiction.core.contact_rows import arm, is_dynamic
+from stiction.core.contact_space import skew
+from stiction.core.jit import jit
+from stiction.core.state import (
+    BODY_A,
+    BODY_B,
+    CENTER,
+    EDITS,
+    FORCE,
+    INERTIA,
+    INITIAL,
+    INVERSE_MASS,
+    KINEMATIC,
+    LAST,
+    MASS,
+    MEAN,
+    MECHANICAL,
+    MOBILITY,
+    NORMAL,
+    NUMERICAL,
+    ORIENTATION,
+    POSITION,
+    PUSH,
+    PUSH_TURN,
+    SEPARATION,
+    TORQUE,
+    TOTAL,
+    V_START,
+    W_START,
+    WORK,
+    WORLD_INERTIA,
+    V,
+    W,
+    X,
+)
+from stiction.core.vec import (
+    Vec3,
+    cross,
+    dot,
+    inverse,
+    length,
+    mat33,
+    put_quat,
+    put_vec3,
+    quat,
+    rotation,
+    transpose,
+    turn,
+    vec3,
+)
+
+MEAN_TOLERANCE = 1e-7
+"""m: a contact may be carried that far into the other body by moving with the mean velocity."""
+
+
+@jit
+def apply_forces(bodies, n, gravity, dt):
+    """v_start, w_start <- velocities after impacts; v, w <- what gravity, forces and torques make of them."""
+    for i in range(n):
+        if is_dynamic(bodies, i):
+            R = rotation(quat(bodies, i, ORIENTATION))
+            w = gyroscopic(R, mat33(bodies, i, INERTIA), vec3(bodies, i, W), dt)
+            v = vec3(bodies, i, V)
+            put_vec3(bodies, i, V_START, v)
+            put_vec3(bodies, i, W_START, w)
+            put_vec3(bodies, i, V, v + (gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS]) * dt)
+            put_vec3(bodies, i, W, w + (mat33(bodies, i, WORLD_INERTIA) @ vec3(bodies, i, TORQUE)) * dt)
+        else:
+            put_vec3(bodies, i, V_START, vec3(bodies, i, V))
+            put_vec3(bodies, i, W_START, vec3(bodies, i, W))
+
+
+@jit
+def gyroscopic(R, inertia, w, dt):
+    """Angular velocity after dt of Euler's equation I w' = -w x I w, by the implicit mid-point rule in body axes.
+
+    The rule keeps the quadratic invariants w . I w and |I w|^2 exactly (Hairer, Lubich, Wanner, "Geometric Numerical
+    Integration", IV.2.1), so a free top neither loses nor gains energy. Newton's method, usually two or three steps.
+    """
+    w0 = transpose(R) @ w
+    momentum = inertia @ w0
+    if length(cross(w0, momentum)) <= 1e-14 * length(w0) * length(momentum):
+        return w
+    w1 = w0
+    for _ in range(10):
+        middle = (w0 + w1) * 0.5
+        spin = inertia @ middle
+        f = inertia @ (w1 - w0) + cross(middle, spin) * dt
+        # derivative of the torque term, dt/2 (S_middle I - S_spin); scaling its vectors scales the matrices
+        half = 0.5 * dt
+        J = inertia + skew(middle * half) @ inertia + -skew(spin * half)
+        step = inverse(J) @ f
+        w1 = w1 - step
+        if length(step) <= 1e-15 * length(w1):
+            break
+    return R @ w1
+
+
+@jit
+def choose_mean(bodies, n, contacts, tags, m, dt):
+    """Which bodies move with the mean velocity: all, but those whose contacts that would close too far.
+
+    A body that does not passes that on to those it touches, so that both sides of a contact move alike.
+    """
+    for i in range(n):
+        bodies[i, MEAN] = 1
+    changed = True
+    while changed:
+        changed = False
+        for c in range(m):
+            a, b = tags[c, BODY_A], tags[c, BODY_B]
+            if contacts[c, TOTAL] <= 0.0 or not (_moves_by_mean(bodies, a) or _moves_by_mean(bodies, b)):
+                continue
+            normal = vec3(contacts, c, NORMAL)
+            ua = _moving_velocity(bodies, a, arm(bodies, contacts, c, a))
+            ub = _moving_velocity(bodies, b, arm(bodies, contacts, c, b))
+            if dot(normal, ua - ub) * dt - max(contacts[c, SEPARATION], 0.0) > MEAN_TOLERANCE:
+                bodies[a, MEAN] = 0
+                bodies[b, MEAN] = 0
+                changed = True
+
+
+@jit
+def _moves_by_mean(bodies, i):
+    return is_dynamic(bodies, i) and bodies[i, MEAN] == 1
+
+
+@jit
+def _moving_velocity(bodies, i, r):
+    v, w = vec3(bodies, i, V), vec3(bodies, i, W)
+    if _moves_by_mean(bodies, i):
+        v = (v + vec3(bodies, i, V_START)) * 0.5
+        w = (w + vec3(bodies, i, W_START)) * 0.5
+    return v + cross(w, r)
+
+
+@jit
+def move(bodies, kinds, n, gravity, dt, ledger):
+    """Positions and orientations at the end of the step; the work of applied forces; forces are used up."""
+    for i in range(n):
+        if is_dynamic(bodies, i):
+            v0, w0 = vec3(bodies, i, V_START), vec3(bodies, i, W_START)
+            v1, w1 = vec3(bodies, i, V), vec3(bodies, i, W)
+            dx, angle = v1 * dt, w1 * dt
+            if bodies[i, MEAN] == 1:
+                dx, angle = (v0 + v1) * (0.5 * dt), (w0 + w1) * (0.5 * dt)
+            spin_before = spin_energy(bodies, i)
+            place(bodies, i, dx, angle)
+            # what gravity gave in kinetic energy and took in potential energy need not be equal, nor need the
+            # rotation have kept the spin energy: the ledger says by how much
+            gained = bodies[i, MASS] * dot(gravity, (v0 + v1) * (0.5 * dt) - dx)
+            ledger[NUMERICAL] += gained + spin_energy(bodies, i) - spin_before
+            ledger[WORK] += 0.5 * dt * dot(vec3(bodies, i, FORCE), v0 + v1)
+            ledger[WORK] += 0.5 * dt * dot(vec3(bodies, i, TORQUE), w0 + w1)
+        elif kinds[i, MOBILITY] == KINEMATIC:
+            place(bodies, i, vec3(bodies, i, V) * dt, vec3(bodies, i, W) * dt)
+        put_vec3(bodies, i, FORCE, Vec3(0.0, 0.0, 0.0))
+        put_vec3(bodies, i, TORQUE, Vec3(0.0, 0.0, 0.0))
+
+
+@jit
+def push_out(bodies, n, gravity, ledger):
+    """Carry out the push that resolve_penetrations has found, and enter the energy it made."""
+    for i in range(n):
+        if is_dynamic(bodies, i):
+            dx = vec3(bodies, i, PUSH)
+            spin_before = spin_energy(bodies, i)
+            place(bodies, i, dx, vec3(bodies, i, PUSH_TURN))
+            ledger[NUMERICAL] += spin_energy(bodies, i) - spin_before - bodies[i, MASS] * dot(gravity, dx)
+
+
+@jit
+def place(bodies, i, dx, angle):
+    """Shift the centre of mass by dx and turn about it by the rotation vector ``angle``."""
+    q = turn(quat(bodies, i, ORIENTATION), angle)
+    x = vec3(bodies, i, X) + dx
+    put_vec3(bodies, i, X, x)
+    put_quat(bodies, i, ORIENTATION, q)
+    put_vec3(bodies, i, POSITION, x - rotation(q) @ vec3(bodies, i, CENTER))
+
+
+@jit
+def spin_energy(bodies, i):
+    """1/2 w . I w of a body, J."""
+    w = transpose(rotation(quat(bodies, i, ORIENTATION))) @ vec3(bodies, i, W)
+    return 0.5 * dot(w, mat33(bodies, i, INERTIA) @ w)
+
+
+@jit
+def total_energy(bodies, n, gravity):
+    """Kinetic and potential energy of all dynamic bodies, J; heights are measured from the origin."""
+    kinetic, potential = 0.0, 0.0
+    for i in range(n):
+        if is_dynamic(bodies, i):
+            v = vec3(bodies, i, V)
+            kinetic += 0.5 * bodies[i, MASS] * dot(v, v) + spin_energy(bodies, i)
+            x = vec3(bodies, i, POSITION) + rotation(quat(bodies, i, ORIENTATION)) @ vec3(bodies, i, CENTER)
+            potential -= bodies[i, MASS] * dot(gravity, x)
+    return kinetic, potential
+
+
+@jit
+def note_edits(bodies, n, gravity, ledger):
+    """What bodies that were added, moved or pushed from outside since the last step changed, enters the ledger."""
+    kinetic, potential = total_energy(bodies, n, gravity)
+    if math.isnan(ledger[INITIAL]):
+        ledger[INITIAL] = kinetic + potential
+    else:
+        ledger[EDITS] += kinetic + potential - ledger[MECHANICAL]
+
+
+@jit
+def close_ledger(bodies, n, gravity, ledger):
+    """Remember the mechanical energy with which a run of steps ends."""
+    kinetic, potential = total_energy(bodies, n, gravity)
+    ledger[MECHANICAL] = kinetic + potential
+
+
+@jit
+def first_not_finite(bodies, n):
+    """Index of the first body whose state is not finite, or -1."""
+    for i in range(n):
+        total = 0.0
+        for start, width in ((POSITION, 7), (V, 6)):
+            for k in range(start, start + width):
+                total += bodies[i, k]
+        if not math.isfinite(total):
+            return i
+    return -1
+
+
+@jit
+def keep_state(bodies, n):
+    """Remember position, orientation and velocities of every body."""
+    for i in range(n):
+        for k in range(7):
+            bodies[i, LAST + k] = bodies[i, POSITION + k]
+        for k in range(6):
+            bodies[i, LAST + 7 + k] = bodies[i, V + k]
+
+
+@jit
+def restore_state(bodies, n):
+    """Put back what keep_state remembered."""
+    for i in range(n):
+        for k in range(7):
+            bodies[i, POSITION + k] = bodies[i, LAST + k]
+        for k in range(6):
+            bodies[i, V + k] = bodies[i, LAST + 7 + k]

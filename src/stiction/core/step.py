@@ -1,0 +1,76 @@
+"""One time step, as a table of contents; the entry kernels that Python calls."""
+
+from __future__ import annotations
+
+from stiction.core.broadphase import find_pairs, update_bounds
+from stiction.core.collide.narrow import find_contacts
+from stiction.core.contact_rows import prepare_bodies, prepare_contacts
+from stiction.core.integrate import (
+    apply_forces,
+    choose_mean,
+    close_ledger,
+    first_not_finite,
+    keep_state,
+    move,
+    note_edits,
+    push_out,
+    restore_state,
+    total_energy,
+)
+from stiction.core.jit import entry
+from stiction.core.solve.stages import resolve_impacts, resolve_penetrations, resolve_resting
+from stiction.core.vec import Vec3, length
+
+DONE, MORE_PAIRS, MORE_CONTACTS, BLOWN_UP = 0, 1, 2, 3
+"""Why :func:`step` returned."""
+
+
+@entry
+def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger, report, boxes_meet):
+    """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason, contacts).
+
+    When there is no room for a step's pairs or contacts it returns before that step has changed anything, with the room
+    that is needed; when a body's state is no longer finite, with that body, all bodies back at their last finite state.
+    """
+    gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
+    g, dt = length(gravity), settings.dt
+    m = 0
+    note_edits(bodies, n, gravity, ledger)
+    for done in range(steps):
+        keep_state(bodies, n)
+
+        update_bounds(bodies, kinds, n, g, dt)
+        pairs = find_pairs(bodies, kinds, n, lists.order, lists.pairs)
+        if pairs > lists.pairs.shape[0]:
+            close_ledger(bodies, n, gravity, ledger)
+            return MORE_PAIRS, done, pairs, m
+        found = find_contacts(bodies, kinds, lists.pairs, pairs, contacts, tags, g, dt, boxes_meet)
+        if found > contacts.shape[0]:
+            close_ledger(bodies, n, gravity, ledger)
+            return MORE_CONTACTS, done, found, 0
+        m = found
+
+        prepare_bodies(bodies, n)
+        prepare_contacts(bodies, kinds, table, contacts, tags, m, lists, n)
+        if resolve_penetrations(bodies, n, contacts, tags, m, lists, report, settings.iterations):
+            push_out(bodies, n, gravity, ledger)
+        if not settings.literal:
+            resolve_impacts(bodies, n, contacts, tags, m, lists, settings, ledger, report, g)
+        apply_forces(bodies, n, gravity, dt)
+        resolve_resting(bodies, contacts, tags, m, lists, settings, ledger, report)
+        choose_mean(bodies, n, contacts, tags, m, dt)
+        move(bodies, kinds, n, gravity, dt, ledger)
+
+        bad = first_not_finite(bodies, n)
+        if bad >= 0:
+            restore_state(bodies, n)
+            close_ledger(bodies, n, gravity, ledger)
+            return BLOWN_UP, done, bad, m
+    close_ledger(bodies, n, gravity, ledger)
+    return DONE, steps, 0, m
+
+
+@entry
+def energy(bodies, n, gravity_x, gravity_y, gravity_z):
+    """Kinetic and potential energy of the first n bodies, J."""
+    return total_energy(bodies, n, Vec3(gravity_x, gravity_y, gravity_z))

@@ -1,0 +1,130 @@
+"""The store of a world: owns the arrays, lets them grow, and calls the kernels. Everything in it has been checked."""
+
+from __future__ import annotations
+
+import logging
+import math
+import sys
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.core import jit, state
+from stiction.core import step as kernels
+
+Array = NDArray[np.float64]
+
+CHUNK = 2_000_000
+"""Bodies times steps in one compiled call at most, so that Ctrl-C is heard within a second or two."""
+
+log = logging.getLogger("stiction")
+
+
+class StepFailure(NamedTuple):
+    """A body whose state stopped being finite."""
+
+    body: int
+    step: int
+
+
+class Store:
+    """Rows of bodies and contacts. ``n`` bodies are in use; the rest of the rows is spare."""
+
+    def __init__(self) -> None:
+        self.n = 0
+        self.m = 0
+        self.steps = 0
+        self.bodies, self.kinds = state.make_bodies(16)
+        self.contacts, self.tags = state.make_contacts(32)
+        self.lists = state.make_lists(16, 32, 32)
+        self.ledger = np.zeros(state.LEDGER_WIDTH)
+        self.ledger[state.INITIAL] = math.nan
+        self.report = np.zeros((3, state.REPORT_WIDTH))
+        self.boxes = 0
+        self.dynamic_boxes = 0
+
+    def add(self, row: dict[int, Any], shape: int, mobility: int, material: int) -> int:
+        """Append a body; ``row`` maps a column to the numbers that start there. Returns its index."""
+        if self.n == len(self.bodies):
+            self._grow_bodies()
+        i = self.n
+        for column, value in row.items():
+            numbers = np.ravel(value)
+            self.bodies[i, column : column + len(numbers)] = numbers
+        self.kinds[i] = shape, mobility, material
+        self.boxes += shape == state.BOX
+        self.dynamic_boxes += shape == state.BOX and mobility == state.DYNAMIC
+        self.n += 1
+        return i
+
+    def column(self, start: int, width: int) -> Array:
+        """A view of the same numbers of all bodies, (n, width), valid until a body is added."""
+        return self.bodies[: self.n, start : start + width]
+
+    def step(self, steps: int, settings: state.Settings, table: Array) -> StepFailure | None:
+        """Take steps; growing where room is short. Returns the failure that stopped them, or None."""
+        if self.n == 0:
+            self.steps += steps
+            return None
+        left = steps
+        while left:
+            chunk = min(left, max(1, CHUNK // self.n))
+            reason, done, number, self.m = self._kernel(chunk, settings, table)
+            self.steps += done
+            left -= done
+            if reason == kernels.MORE_PAIRS:
+                self._grow_lists(pairs=number + number // 4 + 16)
+            elif reason == kernels.MORE_CONTACTS:
+                self._grow_contacts(number + number // 8 + 16)
+            elif reason == kernels.BLOWN_UP:
+                return StepFailure(number, self.steps)
+        return None
+
+    def _kernel(self, steps: int, settings: state.Settings, table: Array) -> tuple[int, int, int, int]:
+        boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
+        announce_compilation()
+        result: tuple[int, int, int, int] = kernels.step(
+            steps, self.bodies, self.kinds, self.n, self.contacts, self.tags, self.lists, table, settings,
+            self.ledger, self.report, boxes_meet,
+        )  # fmt: skip
+        return result
+
+    def energy(self, gravity: Array) -> tuple[float, float]:
+        """Kinetic and potential energy now, J."""
+        kinetic, potential = kernels.energy(self.bodies, self.n, *gravity)
+        return float(kinetic), float(potential)
+
+    def _grow_bodies(self) -> None:
+        room = len(self.bodies) + len(self.bodies) // 2 + 16
+        bodies, kinds = state.make_bodies(room)
+        bodies[: self.n], kinds[: self.n] = self.bodies[: self.n], self.kinds[: self.n]
+        self.bodies, self.kinds = bodies, kinds
+        order = self.lists.order
+        self.lists = state.make_lists(room, len(self.contacts), len(self.lists.pairs))
+        self.lists.order[: len(order)] = order
+
+    def _grow_contacts(self, room: int) -> None:
+        self.contacts, self.tags = state.make_contacts(room)
+        self._grow_lists(pairs=len(self.lists.pairs))
+
+    def _grow_lists(self, pairs: int) -> None:
+        order = self.lists.order
+        self.lists = state.make_lists(len(self.bodies), len(self.contacts), pairs)
+        self.lists.order[:] = order
+
+
+_announced = False
+
+
+def announce_compilation() -> None:
+    """Say once, on a terminal, that kernels are about to be compiled, if none of them lies in the cache."""
+    global _announced  # noqa: PLW0603 -- once a process
+    if _announced:
+        return
+    _announced = True
+    if jit.is_cold():
+        text = "stiction: compiling kernels for this machine, about 20 s, once (`stiction warmup` does it ahead)."
+        if sys.stderr.isatty():
+            print(text, file=sys.stderr)
+        log.info(text)

@@ -1,0 +1,84 @@
+"""The look of stiction in one place: colours, line widths and sizes that the page and the plots share.
+
+The five colours of motion stay apart under the common forms of colour blindness (protan, deutan and tritan): they
+differ in lightness as well as in hue. Based on the palette of Okabe and Ito, "Color universal design", 2008.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.motion import Motion
+
+MOTION_COLORS: dict[Motion, str] = {
+    Motion.FIXED: "#a9b0b7",
+    Motion.FREE: "#6cc0f0",
+    Motion.STICKING: "#009e73",
+    Motion.SLIDING: "#e8590c",
+    Motion.ROLLING: "#6a3d9a",
+}
+"""Colour of a body by what it is doing."""
+
+INK = "#1f2a35"
+"""Text, edges of bodies."""
+MUTED_INK = "#5c6873"
+"""Secondary text, axes."""
+PAPER = "#ffffff"
+"""Background of figures."""
+SKY_TOP, SKY_BOTTOM = "#dfe8f1", "#fbfcfd"
+"""Background of the page, from top to bottom."""
+NORMAL = "#1230a8"
+"""Normals of contacts."""
+GROUND = "#d6dce2"
+"""Patches that stand for planes."""
+GRID_LINE, GRID_SECTION = "#c3cbd3", "#98a4b0"
+"""Lines of the grid on a plane: every cell, every fifth cell."""
+
+LIMIT_STATIC = "#1f2a35"
+LIMIT_DYNAMIC = "#7d8790"
+"""Coulomb limits in plots."""
+
+EDGE_WIDTH = 0.014
+"""Width of the dark edges of a body, as a share of its mean size."""
+CONTACT_RADIUS = 0.065
+"""Radius of a contact point, as a share of the typical size of the moving bodies."""
+NORMAL_LENGTH = 0.75
+"""Length of a contact normal, as a share of the typical size of the moving bodies."""
+
+AMBIENT = 2.4
+"""Light from everywhere that the page adds to the player's own, so that no face is dark."""
+LIGHT = 1.9
+"""What a face in middling light sends back of it, were it white; measured in the page."""
+OPACITY = 0.85
+"""Of moving bodies: enough to see their contacts through them."""
+FONT_STACK = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
+"""Fonts of the page: whatever the reader's system calls its own, so that nothing is fetched."""
+
+
+def rgb(color: str) -> tuple[int, int, int]:
+    """``#rrggbb`` as three numbers from 0 to 255."""
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+
+
+def surface(color: str) -> NDArray[np.uint8]:
+    """Colour (3,) to give to viser's batched meshes, so that a face in middling light looks like ``color`` in the page.
+
+    The player takes such a colour for the linear share of light sent back, lights it, and maps the result to the screen
+    by the ACES film curve (S. Hill's fit, as three.js has it), which greys strong colours and burns out bright ones.
+    Undone here: screen to light, light to surface.
+    """
+    screen = np.array(rgb(color)) / 255.0
+    linear = np.where(screen > 0.04045, ((screen + 0.055) / 1.055) ** 2.4, screen / 12.92)
+    y = np.clip(_ACES_OUT_INVERSE @ linear, 0.0, 0.99)
+    # the curve y = (v^2 + 0.0245786 v - 0.000090537) / (0.983729 v^2 + 0.432951 v + 0.238081), solved for v
+    a, b, c = 1.0 - 0.983729 * y, 0.0245786 - 0.432951 * y, -0.000090537 - 0.238081 * y
+    v = (-b + np.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
+    share = np.clip(0.6 * (_ACES_IN_INVERSE @ v) / LIGHT, 0.0, 1.0)
+    return np.round(255 * share).astype(np.uint8)
+
+
+_ACES_IN_INVERSE = np.linalg.inv([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+_ACES_OUT_INVERSE = np.linalg.inv(
+    [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
+)
