@@ -36,7 +36,7 @@ class Body:
     def __repr__(self) -> str:
         return f"<Body {self.name!r} ({self.mobility} {self.shape.kind}, {self.material})>"
 
-    # --- state ----------------------------------------------------------------------------------------------------------
+    # --- state --------------------------------------------------------------------------------------------------------
 
     @property
     def position(self) -> Array:
@@ -87,7 +87,7 @@ class Body:
     def surface_velocity(self, value: ArrayLike) -> None:
         self._set("SURFACE", checks.vector(f"surface_velocity of body {self.name!r}", value))
 
-    # --- mass -------------------------------------------------------------------------------------------------------------
+    # --- mass ---------------------------------------------------------------------------------------------------------
 
     @property
     def mobility(self) -> str:
@@ -122,7 +122,8 @@ class Body:
         w, x, y, z = self.orientation
         local = self._get("CENTER", 3)
         turned = 2.0 * np.cross([x, y, z], local)
-        return self.position + local + w * turned + np.cross([x, y, z], turned)
+        center: Array = self.position + local + w * turned + np.cross([x, y, z], turned)
+        return center
 
     @property
     def kinetic_energy(self) -> float:
@@ -142,7 +143,7 @@ class Body:
         """Whether the body takes part in the simulation. ``micro`` lets no body sleep."""
         return self.mobility != "static"
 
-    # --- forces -------------------------------------------------------------------------------------------------------------
+    # --- forces -------------------------------------------------------------------------------------------------------
 
     def apply_force(self, force: ArrayLike, at: ArrayLike | None = None) -> None:
         """Add a force until the end of the next step.
@@ -178,7 +179,7 @@ class Body:
         if arm is not None:
             self._add("W", self._world._world_inverse_inertia(self.index) @ np.cross(arm, p))
 
-    # --- inside -------------------------------------------------------------------------------------------------------------
+    # --- inside -------------------------------------------------------------------------------------------------------
 
     def _get(self, column: str, width: int) -> Array:
         return self._world._read(self.index, column, width)

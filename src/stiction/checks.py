@@ -24,7 +24,7 @@ def number(name: str, value: Any) -> float:
         raise InvalidInputError(f"{name} must be a finite number, got {value!r}.")
     try:
         result = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidInputError(f"{name} must be a finite number, got {value!r}.") from None
     if not math.isfinite(result):
         raise InvalidInputError(f"{name} must be a finite number, got {value!r}.")
@@ -58,7 +58,7 @@ def vector(name: str, value: Any, length: int = 3) -> Vector:
     """A finite float64 array of shape ``(length,)``, always a copy."""
     try:
         result = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InvalidInputError(f"{name} must be {length} finite numbers, got {value!r}.") from None
     if result.shape != (length,):
         raise InvalidInputError(f"{name} must have shape ({length},), got shape {result.shape} from {value!r}.")

@@ -1,4 +1,4 @@
-"""Everything stiction raises or warns with. Every message is one sentence: the parameter, its value, what is allowed."""
+"""Everything stiction raises or warns with: one sentence with the parameter, its value and what is allowed."""
 
 from __future__ import annotations
 
@@ -48,7 +48,3 @@ class MaterialWarning(StictionWarning):
 
 class IterationLimitWarning(StictionWarning):
     """A solver stopped at its iteration limit with contacts left to resolve."""
-
-
-class CacheWarning(StictionWarning):
-    """The kernel cache cannot be written, so kernels are compiled anew in every process."""

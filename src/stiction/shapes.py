@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class MassProperties:
-    """Volume (m^3), centre of mass (3,) in m and inertia tensor (3, 3) in m^5 of a shape of density 1, in the shape's frame.
+    """Volume (m^3), centre of mass (3,) in m and inertia tensor (3, 3) in m^5 of a shape of density 1, in its frame.
 
     The tensor is about the centre of mass. Multiply volume and tensor by the density to get kg and kg m^2.
     """

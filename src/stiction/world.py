@@ -138,7 +138,7 @@ class World:
         self._warned = False
         self._settings = self._make_settings()
 
-    # --- bodies -----------------------------------------------------------------------------------------------------------
+    # --- bodies -------------------------------------------------------------------------------------------------------
 
     def add(
         self,
@@ -282,7 +282,7 @@ class World:
     def __repr__(self) -> str:
         return f"<World of {len(self)} bodies at t = {self.time:g} s, solver {self.solver!r}>"
 
-    # --- arrays -------------------------------------------------------------------------------------------------------------
+    # --- arrays -------------------------------------------------------------------------------------------------------
 
     @property
     def positions(self) -> Array:
@@ -304,7 +304,7 @@ class World:
         """(n, 3) rad/s in world axes, a view."""
         return self._store.column(self._state.W, 3)
 
-    # --- time ---------------------------------------------------------------------------------------------------------------
+    # --- time ---------------------------------------------------------------------------------------------------------
 
     @property
     def gravity(self) -> Array:
@@ -360,7 +360,7 @@ class World:
         """Take as many steps as come nearest to that time, at least one."""
         self.step(max(1, round(checks.positive("seconds", seconds, "s") / self._dt)))
 
-    # --- what happened --------------------------------------------------------------------------------------------------------
+    # --- what happened ------------------------------------------------------------------------------------------------
 
     def contacts(self, body: Body | None = None) -> NDArray[Any]:
         """Contact points of the last step, one row each (see :data:`stiction.contacts.CONTACT_DTYPE`), a copy.
@@ -414,12 +414,11 @@ class World:
             digest.update(np.ascontiguousarray(array).tobytes())
         return digest.hexdigest()
 
-    # --- inside -------------------------------------------------------------------------------------------------------------
+    # --- inside -------------------------------------------------------------------------------------------------------
 
     def _make_settings(self) -> Any:
-        return self._state.Settings(
-            *(float(g) for g in self._gravity), self._dt, self._iterations, self._threshold, self.micro_literal
-        )
+        x, y, z = (float(g) for g in self._gravity)
+        return self._state.Settings(x, y, z, self._dt, self._iterations, self._threshold, self.micro_literal)
 
     def _pair_table(self) -> Array:
         """The coefficients of the materials in use, (k, k, 5), made anew only when something changed."""
@@ -467,7 +466,7 @@ class World:
         self._write(index, "MASS", np.array([mass]))
         self._write(index, "INVERSE_MASS", np.array([1.0 / mass]))
         self._write(index, "INERTIA", inertia.ravel())
-        self._write(index, "INVERSE_INERTIA", np.linalg.inv(inertia).ravel())
+        self._write(index, "INVERSE_INERTIA", np.linalg.inv(inertia).ravel().astype(np.float64))
 
     def _rotation(self, index: int) -> Array:
         from stiction.core.vec import Quat, rotation

@@ -48,7 +48,7 @@ def prepare_bodies(bodies, n):
 
 @jit
 def prepare_contacts(bodies, kinds, table, contacts, tags, m, lists, n):
-    """The matrix K and the coefficients of every contact, no impulses yet, and which contacts touch which dynamic body."""
+    """The matrix K and the coefficients of every contact, no impulses, and who touches which dynamic body."""
     for i in range(n + 1):
         lists.first[i] = 0
     for c in range(m):
@@ -169,7 +169,7 @@ def prescribed_velocity(bodies, contacts, c, body):
 
 @jit
 def work_of_drives(bodies, contacts, tags, c, impulse, torque):
-    """Work that drives and belts put in against the world impulse and angular impulse on b (the reaction is on a), J."""
+    """Work (J) that drives and belts put in against the world impulse and angular impulse on b."""
     a, b = tags[c, BODY_A], tags[c, BODY_B]
     work = dot(impulse, prescribed_velocity(bodies, contacts, c, a) - prescribed_velocity(bodies, contacts, c, b))
     if not is_dynamic(bodies, a):

@@ -10,8 +10,8 @@ impulse is positive where bodies push, and friction points along the slip of A t
 
 Convention: the slides' M^-T I^-1 M^T transforms a body tensor with the transposed (row-vector) rotation M; with column
 vectors and R = M^T it is R I^-1 R^T, which is what this package uses. The slides' chain u = S_p B, dr = I^-1 u,
-dv = dr S_p (-1), B^-1 dv then reads K_angular = B^T (-S_p I^-1 S_p) B. (The slides keep S_p to the right, which fits row
-vectors only, and would apply B twice if read with column vectors.) K must come out symmetric and positive definite.
+dv = dr S_p (-1), B^-1 dv then reads K_angular = B^T (-S_p I^-1 S_p) B. (The slides keep S_p to the right, which fits
+row vectors only, and would apply B twice if read with column vectors.) K must come out symmetric and positive definite.
 """
 
 from __future__ import annotations
@@ -132,7 +132,10 @@ def impulse_per_velocity(K):
 
 @jit
 def maximal_impulse(K, v_mu):
-    """g_max = Delta g v_mu: the impulse that makes the whole change of velocity v_mu. Slide "Angular motion to velocity"."""
+    """g_max = Delta g v_mu: the impulse that makes the whole change of velocity v_mu.
+
+    Slide "Angular motion to velocity".
+    """
     return impulse_per_velocity(K) @ v_mu
 
 

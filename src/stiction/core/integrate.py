@@ -1,8 +1,8 @@
 """Motion between contacts: forces, the gyroscopic term, and moving the bodies.
 
-Velocities go from v_start to v in a step. A body that rests, slides, rolls or flies moves with their mean, which is exact
-for constant forces: semi-implicit Euler would make every stopping distance v dt / 2 too short. Only where the mean would
-carry a contact into the other body (it has just landed), the new velocity is used alone.
+Velocities go from v_start to v in a step. A body that rests, slides, rolls or flies moves with their mean, which is
+exact for constant forces: semi-implicit Euler would make every stopping distance v dt / 2 too short. Only where the
+mean would carry a contact into the other body (it has just landed), the new velocity is used alone.
 """
 
 from __future__ import annotations

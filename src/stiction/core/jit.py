@@ -19,6 +19,7 @@ import tempfile
 import time
 import warnings
 from pathlib import Path
+from typing import Any
 
 import llvmlite
 import llvmlite.binding as llvm
@@ -97,6 +98,8 @@ def cache_folder() -> Path | None:
 jit = numba.extending.register_jitable(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 """Decorator of a helper."""
 
+config: Any = numba.config
+
 _folder: Path | None = None
 _folder_known = False
 
@@ -104,23 +107,23 @@ _folder_known = False
 def entry(function):
     """Decorator of an entry kernel: cached in :func:`cache_folder`, GIL released."""
     global _folder, _folder_known
-    if numba.config.DISABLE_JIT:
+    if config.DISABLE_JIT:
         return function
     if not _folder_known:
         _folder, _folder_known = cache_folder(), True
     if _folder is None:
         return numba.njit(error_model="numpy", nogil=True)(function)
     # The cache folder is read when a function is decorated, so other packages' caches stay where they are.
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(_folder)
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(_folder)
     try:
         return numba.njit(error_model="numpy", nogil=True, cache=True)(function)
     finally:
-        numba.config.CACHE_DIR = before
+        config.CACHE_DIR = before
 
 
 def is_cold() -> bool:
     """Whether the cache holds no machine code yet for these sources, so that the first call has to compile."""
     if _folder is None:
-        return not numba.config.DISABLE_JIT
+        return not config.DISABLE_JIT
     return next(_folder.rglob("*.nbc"), None) is None

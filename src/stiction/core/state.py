@@ -1,8 +1,8 @@
 """The arrays of a world: one row a body, one row a contact point.
 
 A row holds all numbers of its body or contact side by side, so that a contact reads the few cache lines it needs, and a
-kernel gets two matrices instead of forty arrays (a NamedTuple of forty arrays costs 7 us a call and minutes to compile).
-The names below are the columns in which a quantity starts; ``vec3(bodies, i, V)`` is the velocity of body i.
+kernel gets two matrices instead of forty arrays (a NamedTuple of forty arrays costs 7 us a call and minutes to
+compile). The names below are the columns in which a quantity starts; ``vec3(bodies, i, V)`` is the velocity of body i.
 Nothing here knows of names, materials' words or Python objects, so many worlds can later live in the same arrays.
 """
 
@@ -27,7 +27,7 @@ def _starts(*widths: int) -> list[int]:
     return list(accumulate(widths, initial=0))
 
 
-# --- bodies: (n, BODY_WIDTH) float64; vectors in world axes unless said otherwise --------------------------------------
+# --- bodies: (n, BODY_WIDTH) float64; vectors in world axes unless said otherwise -------------------------------------
 
 (
     X,  # 3, centre of mass, m
@@ -59,7 +59,7 @@ def _starts(*widths: int) -> list[int]:
 SHAPE, MOBILITY, MATERIAL, KINDS_WIDTH = range(4)
 """Columns of the bodies' integers, (n, KINDS_WIDTH) int64; MATERIAL is a row of the pair table."""
 
-# --- contacts: (m, CONTACT_WIDTH) float64; "contact coordinates" have the normal first ---------------------------------
+# --- contacts: (m, CONTACT_WIDTH) float64; "contact coordinates" have the normal first --------------------------------
 
 (
     POINT,  # 3, world, half way between the surfaces, m

@@ -53,10 +53,11 @@ def write_html(
         raise InvalidInputError("frames must hold at least one frame, got 0.")
     check_writable(target)
     from stiction.view import recording
+    from stiction.view.survey import survey
 
     tell = progress if progress is not None else _ignore
     tell(0.0)
-    seen = recording.survey(frames)
+    seen = survey(frames)
     picked = pick_frames(frames.times, limit)
     page = recording.record(frames, picked, seen, lambda share: tell(0.95 * share))
     page = _with_overlay(page, frames, seen.cell)

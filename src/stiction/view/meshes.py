@@ -48,9 +48,7 @@ def solid(shape: Shape) -> Mesh:
         case Cylinder():
             r, h = shape.radius, shape.length / 2
             # three pieces, so that the rims stay sharp
-            return join(
-                [_revolve([(0.0, -h), (r, -h)]), _revolve([(r, -h), (r, h)]), _revolve([(r, h), (0.0, h)])]
-            )
+            return join([_revolve([(0.0, -h), (r, -h)]), _revolve([(r, -h), (r, h)]), _revolve([(r, h), (0.0, h)])])
         case Capsule():
             r, h = shape.radius, shape.length / 2
             return _revolve([*_arc(r, -h, -90.0, 0.0), *_arc(r, h, 0.0, 90.0)])
@@ -116,12 +114,17 @@ def sphere(radius: float) -> Mesh:
 
 
 def prism(top: Array, bottom: Array) -> Mesh:
-    """A block between two quadrilaterals (4, 3) whose corners lie above each other, counter-clockwise seen from above."""
+    """A block between two quadrilaterals (4, 3) with corners above each other, counter-clockwise seen from above."""
     quads = [top, bottom[::-1]]
     for k in range(4):
         after = (k + 1) % 4
         quads.append(np.array([bottom[k], bottom[after], top[after], top[k]]))
-    return join([Mesh(quad, np.array([[0, 1, 2], [0, 2, 3]])) for quad in quads])
+    return join([sheet(quad) for quad in quads])
+
+
+def sheet(corners: Array) -> Mesh:
+    """A flat quadrilateral (4, 3), counter-clockwise seen from the side that shows."""
+    return Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]]))
 
 
 def join(parts: list[Mesh]) -> Mesh:
@@ -132,7 +135,8 @@ def join(parts: list[Mesh]) -> Mesh:
 
 
 def _box(size: Array) -> Mesh:
-    vertices, faces = [], []
+    vertices: list[Array] = []
+    faces: list[tuple[int, int, int]] = []
     for axis, sign in product(range(3), (-1.0, 1.0)):
         n, u = np.zeros(3), np.zeros(3)
         n[axis], u[(axis + 1) % 3] = sign, 1.0
@@ -183,10 +187,10 @@ def _revolve(profile: list[tuple[float, float]]) -> Mesh:
     rings: list[NDArray[np.int64]] = []
     count = 0
     for r, z in profile:
-        ring = np.array([[0.0, 0.0, z]]) if r == 0.0 else np.column_stack([r * np.cos(turn), r * np.sin(turn), 0 * turn + z])
-        rings.append(np.broadcast_to(count, ROUND) if r == 0.0 else count + np.arange(ROUND))
-        vertices.append(ring)
-        count += len(ring)
+        angles = turn if r else np.zeros(1)
+        vertices.append(np.column_stack([r * np.cos(angles), r * np.sin(angles), np.full(len(angles), z)]))
+        rings.append(count + np.arange(ROUND) % len(angles))
+        count += len(angles)
     faces: list[NDArray[np.int64]] = []
     for lower, upper in pairwise(rings):
         l2, u2 = np.roll(lower, -1), np.roll(upper, -1)

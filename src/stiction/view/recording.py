@@ -7,10 +7,8 @@ two calls.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +18,7 @@ from stiction.motion import Motion
 from stiction.record.frames import Frames
 from stiction.shapes import ConvexHull, Plane, Shape
 from stiction.view import camera, meshes, style
+from stiction.view.survey import Survey, matrices, quaternion, world_corners
 
 if TYPE_CHECKING:
     from viser import ViserServer
@@ -29,40 +28,11 @@ Indices = NDArray[np.int64]
 
 HOLD = 1.0
 """Seconds that the last picture stays before the player starts again."""
-FARTHEST = 25.0
-"""Bodies that end up farther away than this many sizes of the scene at its start are left out of the first picture."""
-CELLS = 16
-"""The grid has about this many cells along the longer side of what is seen."""
-SURVEY = 24
-"""Frames looked at to find the bounds of the run."""
 LEAST_SLOPE_COSINE = 0.3
 """Planes whose normal is nearer to the horizontal than this cosine are walls, not slopes."""
 MOST_NAMES = 12
 """Names are shown beside the moving bodies if there are no more than this."""
 PALETTE = np.array([style.surface(style.MOTION_COLORS[motion]) for motion in Motion])
-
-
-@dataclass(frozen=True)
-class Survey:
-    """What the run needs of space.
-
-    Attributes:
-        points: (p, 3) corners of the moving bodies at some frames, in m.
-        centers: (k, n, 3) of the n moving bodies at k frames, in m.
-        radii: (n,) of balls around the moving bodies, in m.
-        cores: (n,) of balls within the moving bodies, in m.
-        typical: size of a typical moving body, in m.
-        cell: of the grid, in m: 1, 2 or 5 times a power of ten.
-        moving: (n,) numbers of the moving bodies.
-    """
-
-    points: Array
-    centers: Array
-    radii: Array
-    cores: Array
-    typical: float
-    cell: float
-    moving: Indices
 
 
 def record(frames: Frames, picked: Indices, seen: Survey, progress: Callable[[float], None]) -> str:
@@ -71,7 +41,7 @@ def record(frames: Frames, picked: Indices, seen: Survey, progress: Callable[[fl
     Args:
         frames: the run.
         picked: numbers of the frames to show.
-        seen: see :func:`survey`.
+        seen: see :func:`stiction.view.survey.survey`.
         progress: called with the finished share, from 0 to 1.
     """
     import viser
@@ -112,49 +82,22 @@ def _quiet() -> Iterator[None]:
         console.quiet = before
 
 
-def survey(frames: Frames) -> Survey:
-    """Bounds of what moves over the whole run, without what flies off."""
-    bounded = [n for n, body in enumerate(frames.bodies) if body.shape.bounded]
-    moving = np.array([n for n in bounded if not frames.bodies[n].fixed] or bounded, dtype=np.int64)
-    if not len(moving):
-        return Survey(np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]]), np.zeros((1, 0, 3)), np.zeros(0), np.zeros(0), 1.0, 0.5, moving)
-    looked_at = np.unique(np.linspace(0, len(frames) - 1, SURVEY).astype(int))
-    boxes = [meshes.bounds(frames.bodies[n].shape) for n in moving]
-    corners = np.array([_corners(low, high) for low, high in boxes])
-    # (k, n, 8, 3): every corner of every moving body at every frame looked at
-    turned = np.einsum("knij,ncj->knci", _matrices(frames.orientations[looked_at][:, moving]), corners)
-    points = turned + frames.positions[looked_at][:, moving, None]
-    radii = np.array([float(np.linalg.norm(high - low)) / 2 for low, high in boxes])
-    start = points[0].reshape(-1, 3)
-    size = float(np.linalg.norm(np.ptp(start, axis=0)))
-    away = np.linalg.norm(points - start.mean(axis=0), axis=-1).max(axis=-1)
-    near = points[away <= FARTHEST * size].reshape(-1, 3)
-    extent = float(np.ptp(near[:, :2], axis=0).max())
-    start_middle_end = np.unique([0, len(looked_at) // 2, len(looked_at) - 1])
-    return Survey(
-        points=near,
-        centers=points[start_middle_end].mean(axis=2),
-        radii=radii,
-        cores=np.array([float((high - low).min()) / 2 for low, high in boxes]),
-        typical=float(np.median([(high - low).mean() for low, high in boxes])),
-        cell=_round_length(extent / CELLS),
-        moving=moving,
-    )
-
-
-# --- the parts of the scene: each puts its nodes up and returns what brings them to frame k ----------------------------
+# --- the parts of the scene: each puts its nodes up and returns what brings them to frame k ---------------------------
 
 Update = Callable[[int], None]
 
 
 def _set_stage(server: ViserServer, frames: Frames, seen: Survey) -> None:
     """Camera and light."""
-    normals = [
-        _matrices(frames.orientations[0, n]) @ np.array(body.shape.normal)
-        for n, body in enumerate(frames.bodies)
-        if isinstance(body.shape, Plane)
-    ]
-    view = camera.place(seen.points, seen.centers, seen.radii, seen.cores, np.array(normals).reshape(-1, 3))
+    normals = np.array(
+        [
+            matrices(frames.orientations[0, n]) @ np.array(body.shape.normal)
+            for n, body in enumerate(frames.bodies)
+            if isinstance(body.shape, Plane)
+        ]
+    ).reshape(-1, 3)
+    grounds = normals[normals[:, 2] > LEAST_SLOPE_COSINE]
+    view = camera.place(seen.points, seen.centers, seen.radii, seen.cores, grounds)
     distance = float(np.linalg.norm(view.position - view.look_at))
     server.scene.set_up_direction("+z")
     server.initial_camera.up = (0.0, 0.0, 1.0)
@@ -167,15 +110,19 @@ def _set_stage(server: ViserServer, frames: Frames, seen: Survey) -> None:
 
 
 def _add_grounds(server: ViserServer, frames: Frames, seen: Survey) -> list[Update]:
-    """A block with a grid on it for every plane, large enough for all that comes to it: a slab, or a wedge if it slopes."""
+    """A block with a grid on it for every plane, large enough for all that comes to it."""
     planes = [n for n, body in enumerate(frames.bodies) if isinstance(body.shape, Plane)]
-    fixtures = [_world_corners(frames, n, 0) for n, body in enumerate(frames.bodies) if body.fixed and body.shape.bounded]
+    # fixed bodies stand on the ground too, but one that reaches far out must not make it endless
+    lowest, highest = seen.points.min(axis=0), seen.points.max(axis=0)
+    room = 0.5 * (highest - lowest).max()
+    fixed = [n for n, body in enumerate(frames.bodies) if body.fixed and body.shape.bounded]
+    fixtures = [np.clip(world_corners(frames, n, 0), lowest - room, highest + room) for n in fixed]
     moves = _changes(frames)
     updates: list[Update] = []
     for n in planes:
         plane = frames.bodies[n].shape
         assert isinstance(plane, Plane)
-        rotation = _matrices(frames.orientations[0, n])
+        rotation = matrices(frames.orientations[0, n])
         frame = _patch_frame(plane, rotation)
         if len(planes) == 1:
             points = np.concatenate([seen.points, *fixtures])
@@ -185,7 +132,7 @@ def _add_grounds(server: ViserServer, frames: Frames, seen: Survey) -> list[Upda
         low, high = _patch_size((points - frames.positions[0, n]) @ rotation @ frame, seen)
         name = f"/ground/{_clean(frames.bodies[n].name)}"
         holder = server.scene.add_frame(name, show_axes=False)
-        patch = {"wxyz": _quaternion(frame), "position": frame @ np.array([*(low + high) / 2, plane.offset])}
+        patch = {"wxyz": quaternion(frame), "position": frame @ np.array([*(low + high) / 2, plane.offset])}
         block = _block((high - low) / 2, rotation @ frame, 0.25 * seen.cell, wedge=not moves[n])
         server.scene.add_batched_meshes_simple(
             f"{name}/block",
@@ -341,20 +288,6 @@ def _patch_frame(plane: Plane, rotation: Array) -> Array:
     return np.column_stack([x, np.cross(normal, x), normal])
 
 
-def _block(half: Array, frame: Array, thickness: float, *, wedge: bool) -> meshes.Mesh:
-    """What is under a patch of half that size (2,), in the patch's own axes, the columns of ``frame`` in the world.
-
-    A slope stands on a wedge with a level bottom: a slab alone in the air could as well be a floor seen askew.
-    """
-    top = np.array([[x * half[0], y * half[1], 0.0] for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
-    heights = top @ frame[2]
-    if wedge and LEAST_SLOPE_COSINE < frame[2, 2] < 0.9999:
-        bottom = top - (heights - heights.min() + thickness)[:, None] * frame[2]
-    else:
-        bottom = top - (0.0, 0.0, thickness)
-    return meshes.prism(top, bottom)
-
-
 def _patch_size(local: Array, seen: Survey) -> tuple[Array, Array]:
     """Lowest and highest corner (2,) of a patch, in whole cells, with some room around the points."""
     margin = max(2.0 * seen.cell, 0.75 * seen.typical)
@@ -365,55 +298,27 @@ def _patch_size(local: Array, seen: Survey) -> tuple[Array, Array]:
     return low * seen.cell, high * seen.cell
 
 
-def _round_length(length: float) -> float:
-    """The nearest of 1, 2, 5 times a power of ten."""
-    if not length > 0.0:
-        return 1.0
-    power = 10.0 ** math.floor(math.log10(length))
-    return min((power, 2 * power, 5 * power, 10 * power), key=lambda c: abs(math.log(c / length)))
+def _block(half: Array, frame: Array, thickness: float, *, wedge: bool) -> meshes.Mesh:
+    """What is under a patch of half that size (2,), in the patch's own axes, the columns of ``frame`` in the world.
 
-
-def _corners(low: Array, high: Array) -> Array:
-    choose = np.array([[(k >> axis) & 1 for axis in range(3)] for k in range(8)], dtype=bool)
-    return np.where(choose, high, low)
-
-
-def _world_corners(frames: Frames, n: int, k: int) -> Array:
-    corners = _corners(*meshes.bounds(frames.bodies[n].shape))
-    return corners @ _matrices(frames.orientations[k, n]).T + frames.positions[k, n]
-
-
-def _matrices(quaternions: Array) -> Array:
-    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4), w first."""
-    w, x, y, z = np.moveaxis(quaternions, -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
-
-
-def _quaternion(matrix: Array) -> Array:
-    """Unit quaternion (w, x, y, z) of a rotation matrix: the eigenvector of Bar-Itzhack's symmetric 4 x 4 matrix."""
-    (a, b, c), (d, e, f), (g, h, i) = matrix.tolist()
-    k = np.array(
-        [
-            [a + e + i, h - f, c - g, d - b],
-            [h - f, a - e - i, d + b, c + g],
-            [c - g, d + b, e - a - i, h + f],
-            [d - b, c + g, h + f, i - a - e],
-        ]
-    )
-    result: Array = np.linalg.eigh(k)[1][:, -1]
-    return result
+    A floor is a slab. A slope stands on a wedge with a level bottom: a slab alone in the air could as well be a floor
+    seen askew. A wall or a ceiling is one sheet, which does not show from behind, so that it hides nothing.
+    """
+    top = np.array([[x * half[0], y * half[1], 0.0] for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+    if frame[2, 2] < LEAST_SLOPE_COSINE:
+        return meshes.sheet(top)
+    if frame[2, 2] > 0.9999 or not wedge:
+        return meshes.prism(top, top - (0.0, 0.0, thickness))
+    heights = top @ frame[2]
+    return meshes.prism(top, top - (heights - heights.min() + thickness)[:, None] * frame[2])
 
 
 def _changes(frames: Frames) -> NDArray[np.bool_]:
     """(n,) whether a body ever moves or changes its state."""
-    moved = (frames.positions != frames.positions[0]).any(axis=(0, 2))
-    turned = (frames.orientations != frames.orientations[0]).any(axis=(0, 2))
-    return moved | turned | (frames.motion != frames.motion[0]).any(axis=0)
+    moved: NDArray[np.bool_] = (frames.positions != frames.positions[0]).any(axis=(0, 2))
+    moved |= (frames.orientations != frames.orientations[0]).any(axis=(0, 2))
+    moved |= (frames.motion != frames.motion[0]).any(axis=0)
+    return moved
 
 
 def _key(shape: Shape) -> str:

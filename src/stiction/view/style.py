@@ -35,10 +35,8 @@ GROUND = "#d6dce2"
 GRID_LINE, GRID_SECTION = "#c3cbd3", "#98a4b0"
 """Lines of the grid on a plane: every cell, every fifth cell."""
 
-LIMIT_STATIC = "#1f2a35"
-LIMIT_DYNAMIC = "#7d8790"
-"""Coulomb limits in plots."""
-
+FRICTION = "#c2185b"
+"""Friction force in plots."""
 EDGE_WIDTH = 0.014
 """Width of the dark edges of a body, as a share of its mean size."""
 CONTACT_RADIUS = 0.065
@@ -75,10 +73,13 @@ def surface(color: str) -> NDArray[np.uint8]:
     a, b, c = 1.0 - 0.983729 * y, 0.0245786 - 0.432951 * y, -0.000090537 - 0.238081 * y
     v = (-b + np.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
     share = np.clip(0.6 * (_ACES_IN_INVERSE @ v) / LIGHT, 0.0, 1.0)
-    return np.round(255 * share).astype(np.uint8)
+    result: NDArray[np.uint8] = np.round(255 * share).astype(np.uint8)
+    return result
 
 
-_ACES_IN_INVERSE = np.linalg.inv([[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]])
+_ACES_IN_INVERSE = np.linalg.inv(
+    [[0.59719, 0.35458, 0.04823], [0.07600, 0.90834, 0.01566], [0.02840, 0.13383, 0.83777]]
+)
 _ACES_OUT_INVERSE = np.linalg.inv(
     [[1.60475, -0.53108, -0.07367], [-0.10208, 1.10813, -0.00605], [-0.00327, -0.07276, 1.07602]]
 )

@@ -101,7 +101,8 @@ def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, sepa
 def _clip(pr, Rr, hr, k, n, pi, Ri, hi, margin, points, axis):
     """Clip the face of the incident box that looks most against n to the reference face k; n points out of it.
 
-    Works in the reference face: u, v in the plane, w the height over it. Rows 8 to 15 of ``points`` are the second buffer.
+    Works in the reference face: u, v in the plane, w the height over it. Rows 8 to 15 of ``points``
+    are the second buffer.
     """
     i, j = (k + 1) % 3, (k + 2) % 3
     u, v = column(Rr, i), column(Rr, j)

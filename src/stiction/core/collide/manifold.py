@@ -35,7 +35,8 @@ def reduce(points, n, normal):
     """Choose four of n candidate points so that the patch keeps its depth and its area; they end up in rows 0 to 3.
 
     ``points`` is (k, 5): x, y, z, separation, feature. The deepest point, the one farthest from it, and on either side
-    of the line between them the one that spans the largest triangle. Ties go to the earlier row, so the choice is stable.
+    of the line between them the one that spans the largest triangle. Ties go to the earlier row, so the choice is
+    stable.
     """
     if n <= POINTS:
         return n

@@ -1,12 +1,14 @@
 """The Coulomb law of one contact point, as an impulse in contact space.
 
 Everything is in contact coordinates (x along the normal, y and z in the plane) and in the signs of ``contact_space``:
-``b`` is the collision velocity that the impulse has to deal with, less the one that may remain; K g is what it takes away.
+``b`` is the collision velocity that the impulse has to deal with, less what may remain of it; K g is what
+it takes away.
 
 Four laws for the same point, so that they can be compared:
 
-``coulomb_impulse``     the right one: stick inside the cone, else slide with friction exactly along the slip that remains
-``clipped_impulse``     the book's (Millington, "Game Physics Engine Development", and most engines): the sticking
+``coulomb_impulse``     the right one: stick inside the cone, else slide with friction exactly along the slip
+                        that remains
+``clipped_impulse``     the book's (Millington, "Game Physics Engine Development"), and most engines': the sticking
                         impulse scaled back onto the cone, which points along K^-1 b and not along the slip
 ``literal_change``      the slides': a case distinction on velocities, whose sliding case is not normalised
 ``secular_friction``    the right one for a normal impulse that is already known (planar block alone)
@@ -29,10 +31,11 @@ def coulomb_impulse(K, b, mu_stick, mu_slide):
     """The impulse g of one contact that obeys Signorini's condition and Coulomb's law together.
 
     b.x <= 0 is a contact that opens: no impulse. Otherwise the sticking impulse K^-1 b, if it lies inside the cone of
-    ``mu_stick``. Otherwise the body slides: |g_t| = mu_slide g_n, and the slip that remains is alpha g_t with alpha > 0,
-    so friction is exactly opposite to sliding. With the normal eliminated, S = K_tt - k k^T / K_nn, this is the
+    ``mu_stick``. Otherwise the body slides: |g_t| = mu_slide g_n, and the slip that remains is alpha g_t with
+    alpha > 0, so friction is exactly opposite to sliding. With the normal eliminated, S = K_tt - k k^T / K_nn, this is the
     trust-region (secular) equation |(S + alpha 1)^-1 b'| = mu g_n(alpha), solved by safeguarded Newton steps on
-    1 - mu g_n / |g_t|, which is linear in alpha for an isotropic contact (Conn, Gould, Toint, "Trust-Region Methods", 7.3).
+    1 - mu g_n / |g_t|, which is linear in alpha for an isotropic contact (Conn, Gould, Toint,
+    "Trust-Region Methods", 7.3).
 
     Returns g and whether it sticks.
     """

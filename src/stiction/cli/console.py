@@ -1,0 +1,43 @@
+"""What the commands print: results on standard output, everything else on standard error."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+
+def _width() -> int | None:
+    """Tables are never squeezed below 110 columns when the output is a file or a log."""
+    return None if sys.stdout.isatty() else max(110, shutil.get_terminal_size((120, 24)).columns)
+
+
+out = Console(width=_width(), highlight=False)
+err = Console(stderr=True, highlight=False)
+
+
+def complain(text: str) -> None:
+    """One line on standard error, never wrapped or coloured."""
+    print(f"stiction: {text}", file=sys.stderr)
+
+
+def say(text: str) -> None:
+    """What is going on, on standard error."""
+    err.print(text, soft_wrap=True)
+
+
+def print_json(value: Any) -> None:
+    """JSON on standard output, and nothing else."""
+    print(json.dumps(value, indent=2, allow_nan=False))
+
+
+def table(title: str, columns: list[str], *, right: tuple[str, ...] = (), caption: str | None = None) -> Table:
+    """An empty table in the style of all commands; columns named in ``right`` are numbers."""
+    made = Table(title=title, title_justify="left", title_style="bold", caption=caption, caption_justify="left")
+    for column in columns:
+        made.add_column(column, justify="right" if column in right else "left", overflow="fold")
+    return made

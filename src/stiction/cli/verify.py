@@ -1,0 +1,55 @@
+"""``stiction verify``: closed-form cases, measured."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from stiction import checks
+from stiction.cli.console import out, print_json, say, table
+from stiction.errors import InvalidInputError
+from stiction.world import AVAILABLE_SOLVERS
+
+NUMBERS = ("expected", "measured", "error", "tolerance")
+
+
+def verify(
+    cases: Annotated[list[str] | None, typer.Argument(help="Names of cases; all if left out.")] = None,
+    solver: Annotated[str, typer.Option(help="Solver to measure.")] = "micro",
+    dt: Annotated[float, typer.Option(help="Time step in s.")] = 1.0 / 60.0,
+    json: Annotated[bool, typer.Option("--json", help="Print every measurement as JSON.")] = False,
+    list_: Annotated[bool, typer.Option("--list", help="List the cases with formula and source.")] = False,
+) -> None:
+    """Measure closed-form cases and compare; exit status 1 if one fails that this solver should pass."""
+    from stiction.verify import all_cases, run
+
+    checks.one_of("--solver", solver, AVAILABLE_SOLVERS)
+    if checks.positive("--dt", dt, "s") > 0.1:
+        raise InvalidInputError(f"--dt must be 0.1 s or less, got {dt!r}.")
+    if list_:
+        made = table("Cases", ["case", "what", "formula", "source"])
+        for case in all_cases():
+            made.add_row(f"[bold]{case.name}[/]", case.title, case.formula, case.source)
+        out.print(made)
+        return
+
+    results = run(cases or None, solver=solver, dt=dt, progress=None if json else lambda name: say(f"  {name} …"))
+    failed = [row for row in results if not row.passed and not row.known_limit]
+    if json:
+        print_json([row.as_dict() for row in results])
+        raise typer.Exit(1 if failed else 0)
+
+    made = table(f"Verification of {solver!r} at dt = {dt:.4g} s", ["case", "what", *NUMBERS, ""], right=NUMBERS)
+    for row in results:
+        mark = "[green]pass[/]" if row.passed else "[yellow]known limit[/]" if row.known_limit else "[red]FAIL[/]"
+        values = (f"{row.expected:.6g}", f"{row.measured:.6g}", f"{row.error:.2g}", f"{row.tolerance:.2g}")
+        made.add_row(row.case, row.what, *values, mark)
+    out.print(made)
+    limits = {row.case: row.reason for row in results if row.known_limit and not row.passed}
+    for name, reason in limits.items():
+        out.print(f"[yellow]{name}[/]: {reason}")
+    known = sum(1 for row in results if row.known_limit and not row.passed)
+    passed = sum(1 for row in results if row.passed)
+    out.print(f"{passed} passed, {len(failed)} failed, {known} known limits of {solver!r}")
+    raise typer.Exit(1 if failed else 0)
