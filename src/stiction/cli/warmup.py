@@ -12,7 +12,7 @@ def warmup() -> None:
     from stiction import Box, Plane, World
     from stiction.core import jit
 
-    say("compiling kernels, about 30 s …" if jit.is_cold() else "kernels lie in the cache; loading them …")
+    say("compiling kernels, about 20 s …" if jit.is_cold() else "kernels lie in the cache; loading them …")
     began = time.perf_counter()
     world = World()
     world.add(Plane(), static=True)
@@ -20,4 +20,4 @@ def warmup() -> None:
     world.step()
     world.add(Box((1, 1, 1)), position=(0, 0, 1.5))  # from here on boxes meet boxes: the second variant
     world.step()
-    out.print(f"kernels ready in {time.perf_counter() - began:.1f} s, kept in {jit.cache_folder()}")
+    out.print(f"kernels ready in {time.perf_counter() - began:.1f} s, kept in {jit.kernel_folder()}")

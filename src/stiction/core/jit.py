@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 import warnings
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -100,22 +101,23 @@ jit = numba.extending.register_jitable(error_model="numpy", no_cpython_wrapper=T
 
 config: Any = numba.config
 
-_folder: Path | None = None
-_folder_known = False
+
+@cache
+def kernel_folder() -> Path | None:
+    """:func:`cache_folder`, found once a process."""
+    return cache_folder()
 
 
 def entry(function):
     """Decorator of an entry kernel: cached in :func:`cache_folder`, GIL released."""
-    global _folder, _folder_known
     if config.DISABLE_JIT:
         return function
-    if not _folder_known:
-        _folder, _folder_known = cache_folder(), True
-    if _folder is None:
+    folder = kernel_folder()
+    if folder is None:
         return numba.njit(error_model="numpy", nogil=True)(function)
     # The cache folder is read when a function is decorated, so other packages' caches stay where they are.
     before = config.CACHE_DIR
-    config.CACHE_DIR = str(_folder)
+    config.CACHE_DIR = str(folder)
     try:
         return numba.njit(error_model="numpy", nogil=True, cache=True)(function)
     finally:
@@ -124,6 +126,7 @@ def entry(function):
 
 def is_cold() -> bool:
     """Whether the cache holds no machine code yet for these sources, so that the first call has to compile."""
-    if _folder is None:
-        return not config.DISABLE_JIT
-    return next(_folder.rglob("*.nbc"), None) is None
+    if config.DISABLE_JIT:
+        return False
+    folder = kernel_folder()
+    return folder is None or next(folder.rglob("*.nbc"), None) is None

@@ -55,7 +55,7 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
         if resolve_penetrations(bodies, n, contacts, tags, m, lists, report, settings.iterations):
             push_out(bodies, n, gravity, ledger)
         if not settings.literal:
-            resolve_impacts(bodies, n, contacts, tags, m, lists, settings, ledger, report, g)
+            resolve_impacts(bodies, n, contacts, tags, m, lists, settings, ledger, report, gravity)
         apply_forces(bodies, n, gravity, dt)
         resolve_resting(bodies, contacts, tags, m, lists, settings, ledger, report)
         choose_mean(bodies, n, contacts, tags, m, dt)

@@ -32,10 +32,9 @@ def coulomb_impulse(K, b, mu_stick, mu_slide):
 
     b.x <= 0 is a contact that opens: no impulse. Otherwise the sticking impulse K^-1 b, if it lies inside the cone of
     ``mu_stick``. Otherwise the body slides: |g_t| = mu_slide g_n, and the slip that remains is alpha g_t with
-    alpha > 0, so friction is exactly opposite to sliding. With the normal eliminated, S = K_tt - k k^T / K_nn, this is the
-    trust-region (secular) equation |(S + alpha 1)^-1 b'| = mu g_n(alpha), solved by safeguarded Newton steps on
-    1 - mu g_n / |g_t|, which is linear in alpha for an isotropic contact (Conn, Gould, Toint,
-    "Trust-Region Methods", 7.3).
+    alpha > 0, so friction is exactly opposite to sliding. With the normal eliminated, S = K_tt - k k^T / K_nn, this is
+    the trust-region (secular) equation |(S + alpha 1)^-1 b'| = mu g_n(alpha), solved by safeguarded Newton steps on
+    1 - mu g_n / |g_t|, linear in alpha for an isotropic contact (Conn, Gould, Toint, "Trust-Region Methods", 7.3).
 
     Returns g and whether it sticks.
     """

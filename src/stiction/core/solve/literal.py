@@ -2,9 +2,9 @@
 
 The contact that closes fastest first; the change of velocity v_mu by the slides' case distinction;
 g_max = Delta g v_mu; apply it, and again, until nothing closes faster than the book's 1 cm/s. Impulses are never
-taken back, friction acts only together with a normal impulse, and the sliding case is not normalised: it multiplies the slip by (1 - mu_dynamic) at
-every micro-collision, whatever the load. So a sliding crate slows down by a rate that depends on dt and on the number
-of micro-collisions: a viscous law, not a Coulomb deceleration.
+taken back, friction acts only together with a normal impulse, and the sliding case is not normalised: it multiplies
+the slip by (1 - mu_dynamic) at every micro-collision, whatever the load. So a sliding crate slows down by a rate that
+depends on dt and on the number of micro-collisions: a viscous law, not a Coulomb deceleration.
 """
 
 from __future__ import annotations

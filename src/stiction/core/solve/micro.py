@@ -11,8 +11,8 @@ one back). And static or dynamic is decided when all have come to rest: first ev
 that then still slip let go, and all is resolved again with mu_d for them. Deciding earlier lets one corner that happens
 to be lightly loaded break loose, and the whole crate after it.
 
-Cost: about 0.4 us a visit in a crate, 2 us in a pile; a crate at rest takes 10 to 60 visits, a pile thousands. Error left: at most
-``TOLERANCE``, unless the limit is hit, which is reported.
+Cost: about 0.4 us a visit in a crate, 2 us in a pile; a crate at rest takes 10 to 60 visits, a pile thousands.
+Error left: at most ``TOLERANCE``, unless the limit is hit, which is reported.
 """
 
 from __future__ import annotations
