@@ -76,7 +76,7 @@ class Store:
             if reason == kernels.MORE_PAIRS:
                 self._grow_lists(pairs=number + number // 4 + 16)
             elif reason == kernels.MORE_CONTACTS:
-                self._grow_contacts(number + number // 8 + 16)
+                self._grow_contacts(number + number // 16 + 16)
             elif reason == kernels.BLOWN_UP:
                 return StepFailure(number, self.steps)
         return None
@@ -96,7 +96,7 @@ class Store:
         return float(kinetic), float(potential)
 
     def _grow_bodies(self) -> None:
-        room = len(self.bodies) + len(self.bodies) // 2 + 16
+        room = len(self.bodies) + len(self.bodies) // 4 + 16
         bodies, kinds = state.make_bodies(room)
         bodies[: self.n], kinds[: self.n] = self.bodies[: self.n], self.kinds[: self.n]
         self.bodies, self.kinds = bodies, kinds

@@ -42,9 +42,7 @@ def _starts(*widths: int) -> list[int]:
     POSITION,  # 3, origin of the shape's frame, m
     ORIENTATION,  # 4, unit quaternion w, x, y, z
     SIZE,  # 4, sphere: radius; box: half lengths; plane: normal and offset, in the shape's frame
-    BOUNDS,  # 6, box around the shape: lower corner, upper corner, m
-    PUSH,  # 3, way out of penetration, m
-    PUSH_TURN,  # 3, the same, rad
+    BOUNDS,  # 6, box around the shape: lower corner, upper corner, m; once pairs are found, PUSH and PUSH_TURN
     FORCE,  # 3, at the centre of mass, for one step, N
     TORQUE,  # 3, for one step, N m
     MASS,  # kg
@@ -54,7 +52,8 @@ def _starts(*widths: int) -> list[int]:
     FRICTION_WORK,  # lost to friction and rolling resistance at this body's contacts so far, J
     LAST,  # 13, last finite position, orientation, v, w
     BODY_WIDTH,
-) = _starts(3, 3, 3, 1, 9, 3, 3, 3, 1, 3, 4, 4, 6, 3, 3, 3, 3, 1, 3, 9, 9, 1, 13)
+) = _starts(3, 3, 3, 1, 9, 3, 3, 3, 1, 3, 4, 4, 6, 3, 3, 1, 3, 9, 9, 1, 13)
+PUSH, PUSH_TURN = BOUNDS, BOUNDS + 3  # way out of penetration, m and rad
 
 SHAPE, MOBILITY, MATERIAL, KINDS_WIDTH = range(4)
 """Columns of the bodies' integers, (n, KINDS_WIDTH) int64; MATERIAL is a row of the pair table."""
@@ -95,7 +94,7 @@ class Lists(NamedTuple):
     pairs: np.ndarray  # (p, 2) int64 bodies whose bounds overlap
     first: np.ndarray  # (n + 1,) int64 body i's contacts are touching[first[i]:first[i + 1]]
     touching: np.ndarray  # (2m,) int64
-    tree: np.ndarray  # (4m,) float64 tournament tree of the contacts' errors
+    tree: np.ndarray  # (2 x the power of two that holds m,) float64 tournament tree of the contacts' errors
     group: np.ndarray  # (n,) int64 union-find
     gain: np.ndarray  # (n, 2) energy change of a group, and its scale
 
@@ -143,7 +142,7 @@ def make_lists(n: int, m: int, p: int) -> Lists:
         pairs=np.zeros((p, 2), np.int64),
         first=np.zeros(n + 1, np.int64),
         touching=np.zeros(2 * m, np.int64),
-        tree=np.zeros(4 * max(m, 1)),
+        tree=np.zeros(2 << max(m - 1, 0).bit_length()),
         group=np.zeros(n, np.int64),
         gain=np.zeros((n, 2)),
     )
