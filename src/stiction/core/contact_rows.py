@@ -47,10 +47,10 @@ def prepare_bodies(bodies, n):
 
 
 @jit
-def prepare_contacts(bodies, kinds, table, contacts, tags, m, lists, n):
+def prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n):
     """The matrix K and the coefficients of every contact, no impulses, and who touches which dynamic body."""
     for i in range(n + 1):
-        lists.first[i] = 0
+        first[i] = 0
     for c in range(m):
         a, b = tags[c, BODY_A], tags[c, BODY_B]
         ra, rb = arm(bodies, contacts, c, a), arm(bodies, contacts, c, b)
@@ -66,22 +66,22 @@ def prepare_contacts(bodies, kinds, table, contacts, tags, m, lists, n):
         contacts[c, TOTAL] = 0.0
         put_vec3(contacts, c, TOTAL_FRICTION, Vec3(0.0, 0.0, 0.0))
         put_vec3(contacts, c, TWIST, Vec3(0.0, 0.0, 0.0))
-        lists.first[a] += is_dynamic(bodies, a)
-        lists.first[b] += is_dynamic(bodies, b)
+        first[a] += is_dynamic(bodies, a)
+        first[b] += is_dynamic(bodies, b)
 
     total = 0
     for i in range(n + 1):
-        here = lists.first[i]
-        lists.first[i] = total
+        here = first[i]
+        first[i] = total
         total += here
     for c in range(m):
         for body in (tags[c, BODY_A], tags[c, BODY_B]):
             if is_dynamic(bodies, body):
-                lists.touching[lists.first[body]] = c
-                lists.first[body] += 1
+                touching[first[body]] = c
+                first[body] += 1
     for i in range(n, 0, -1):
-        lists.first[i] = lists.first[i - 1]
-    lists.first[0] = 0
+        first[i] = first[i - 1]
+    first[0] = 0
 
 
 @jit

@@ -97,6 +97,7 @@ class Lists(NamedTuple):
     tree: np.ndarray  # (2 x the power of two that holds m,) float64 tournament tree of the contacts' errors
     group: np.ndarray  # (n,) int64 union-find
     gain: np.ndarray  # (n, 2) energy change of a group, and its scale
+    points: np.ndarray  # (16, 5) candidates of one manifold: point, separation, feature
 
 
 FRICTION, ROLLING_LOSS, IMPACTS, WORK, NUMERICAL, EDITS, INITIAL, MECHANICAL, LEDGER_WIDTH = range(9)
@@ -145,4 +146,5 @@ def make_lists(n: int, m: int, p: int) -> Lists:
         tree=np.zeros(2 << max(m - 1, 0).bit_length()),
         group=np.zeros(n, np.int64),
         gain=np.zeros((n, 2)),
+        points=np.zeros((16, 5)),
     )

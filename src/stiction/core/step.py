@@ -34,30 +34,33 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
     g, dt = length(gravity), settings.dt
+    order, pairs, first, touching, tree, group, gain, points = lists
     m = 0
     note_edits(bodies, n, gravity, ledger)
     for done in range(steps):
         keep_state(bodies, n)
 
         update_bounds(bodies, kinds, n, g, dt)
-        pairs = find_pairs(bodies, kinds, n, lists.order, lists.pairs)
-        if pairs > lists.pairs.shape[0]:
+        meeting = find_pairs(bodies, kinds, n, order, pairs)
+        if meeting > pairs.shape[0]:
             close_ledger(bodies, n, gravity, ledger)
-            return MORE_PAIRS, done, pairs, m
-        found = find_contacts(bodies, kinds, lists.pairs, pairs, contacts, tags, g, dt, boxes_meet)
+            return MORE_PAIRS, done, meeting, m
+        found = find_contacts(bodies, kinds, pairs, meeting, contacts, tags, g, dt, points, boxes_meet)
         if found > contacts.shape[0]:
             close_ledger(bodies, n, gravity, ledger)
             return MORE_CONTACTS, done, found, 0
         m = found
 
         prepare_bodies(bodies, n)
-        prepare_contacts(bodies, kinds, table, contacts, tags, m, lists, n)
-        if resolve_penetrations(bodies, n, contacts, tags, m, lists, report, settings.iterations):
+        prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n)
+        if resolve_penetrations(bodies, n, contacts, tags, m, first, touching, tree, report, settings.iterations):
             push_out(bodies, n, gravity, ledger)
         if not settings.literal:
-            resolve_impacts(bodies, n, contacts, tags, m, lists, settings, ledger, report, gravity)
+            resolve_impacts(
+                bodies, n, contacts, tags, m, first, touching, tree, group, gain, settings, ledger, report, gravity
+            )
         apply_forces(bodies, n, gravity, dt)
-        resolve_resting(bodies, contacts, tags, m, lists, settings, ledger, report)
+        resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, ledger, report)
         choose_mean(bodies, n, contacts, tags, m, dt)
         move(bodies, kinds, n, gravity, dt, ledger)
 

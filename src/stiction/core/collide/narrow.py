@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from stiction.core.broadphase import body_margin
 from stiction.core.collide.box_box import box_box
 from stiction.core.collide.box_plane import box_plane
@@ -14,13 +12,12 @@ from stiction.core.vec import dot, quat, rotation, vec3
 
 
 @jit
-def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, boxes_meet):
+def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, points, boxes_meet):
     """Fill ``contacts`` from the pairs; returns how many there are, which may exceed the room.
 
     ``boxes_meet`` is None in worlds where no box can meet another one: the branch, which is most of the machine code,
     is then never compiled.
     """
-    points = np.empty((16, 5))
     count = 0
     for k in range(npairs):
         # the shape with the lower code first

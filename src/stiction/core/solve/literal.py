@@ -37,9 +37,8 @@ LITERAL_TOLERANCE = 0.01
 
 
 @jit
-def settle_literally(bodies, contacts, tags, m, lists, threshold, limit):
+def settle_literally(bodies, contacts, tags, m, first, touching, tree, threshold, limit):
     """Resolve closing contacts one micro-collision after the other. Returns visits and the closing speed left, m/s."""
-    tree = lists.tree
     leaves = leaves_for(m)
     for c in range(leaves):
         tree[leaves + c] = _closing(bodies, contacts, tags, c) if c < m else 0.0
@@ -61,8 +60,8 @@ def settle_literally(bodies, contacts, tags, m, lists, threshold, limit):
         visits += 1
         for body in (tags[c, BODY_A], tags[c, BODY_B]):
             if is_dynamic(bodies, body):
-                for k in range(lists.first[body], lists.first[body + 1]):
-                    other = lists.touching[k]
+                for k in range(first[body], first[body + 1]):
+                    other = touching[k]
                     update(tree, leaves, other, _closing(bodies, contacts, tags, other))
     return visits, tree[1]
 

@@ -57,9 +57,8 @@ SLIP_SPEED = 1e-5
 
 
 @jit
-def settle(bodies, contacts, tags, m, lists, limit):
+def settle(bodies, contacts, tags, m, first, touching, tree, limit):
     """Resolve the active contacts, worst first. Returns the number of visits and the error that is left, m/s."""
-    tree = lists.tree
     leaves = leaves_for(m)
     for c in range(leaves):
         tree[leaves + c] = 0.0
@@ -77,8 +76,8 @@ def settle(bodies, contacts, tags, m, lists, limit):
         visits += 1
         for body in (tags[c, BODY_A], tags[c, BODY_B]):
             if is_dynamic(bodies, body):
-                for k in range(lists.first[body], lists.first[body + 1]):
-                    other = lists.touching[k]
+                for k in range(first[body], first[body + 1]):
+                    other = touching[k]
                     if tags[other, STATUS] & ACTIVE:
                         update(tree, leaves, other, error(bodies, contacts, tags, other))
     return visits, tree[1]

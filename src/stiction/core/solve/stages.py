@@ -64,7 +64,7 @@ RESTITUTION_CUT = 0.9
 
 
 @jit
-def resolve_penetrations(bodies, n, contacts, tags, m, lists, report, iterations):
+def resolve_penetrations(bodies, n, contacts, tags, m, first, touching, tree, report, iterations):
     """Move overlapping bodies apart along the normals, worst first, each body by its share of the inverse mass matrix.
 
     Positions are resolved before velocities, as in the book. Points and normals stay as they are while that is done.
@@ -76,7 +76,6 @@ def resolve_penetrations(bodies, n, contacts, tags, m, lists, report, iterations
     if deepest >= -SLOP:
         return False
 
-    tree = lists.tree
     for c in range(leaves):
         tree[leaves + c] = -contacts[c, SEPARATION] if c < m else 0.0
     build(tree, leaves)
@@ -97,8 +96,8 @@ def resolve_penetrations(bodies, n, contacts, tags, m, lists, report, iterations
         visits += 1
         for body in (tags[c, BODY_A], tags[c, BODY_B]):
             if is_dynamic(bodies, body):
-                for k in range(lists.first[body], lists.first[body + 1]):
-                    other = lists.touching[k]
+                for k in range(first[body], first[body + 1]):
+                    other = touching[k]
                     update(tree, leaves, other, -contacts[other, SEPARATION] - _opened(bodies, contacts, tags, other))
     for c in range(m):
         contacts[c, SEPARATION] += _opened(bodies, contacts, tags, c)
@@ -118,7 +117,9 @@ def _opened(bodies, contacts, tags, c):
 
 
 @jit
-def resolve_impacts(bodies, n, contacts, tags, m, lists, settings, ledger, report, gravity):
+def resolve_impacts(
+    bodies, n, contacts, tags, m, first, touching, tree, group, gain, settings, ledger, report, gravity
+):
     """Collisions that bounce, in waves: all contacts that close fast enough now, then those that close because of it.
 
     Within a wave each contact aims at leaving with its restitution times its closing speed, friction acting all the
@@ -150,14 +151,14 @@ def resolve_impacts(bodies, n, contacts, tags, m, lists, settings, ledger, repor
         if wave == IMPACT_ROUNDS - 1:
             left = settings.threshold
         _remember_start(bodies, n)
-        _group_impacts(bodies, n, contacts, tags, m, lists)
+        _group_impacts(bodies, n, contacts, tags, m, group)
         limit = settings.iterations * m
-        done, residue = settle(bodies, contacts, tags, m, lists, limit)
+        done, residue = settle(bodies, contacts, tags, m, first, touching, tree, limit)
         visits += done
         for _ in range(100):
-            if not _lower_restitution(bodies, n, contacts, tags, m, lists):
+            if not _lower_restitution(bodies, n, contacts, tags, m, group, gain):
                 break
-            done, residue = settle(bodies, contacts, tags, m, lists, limit)
+            done, residue = settle(bodies, contacts, tags, m, first, touching, tree, limit)
             visits += done
         left = max(left, residue)
         _enter(bodies, contacts, tags, m, ledger)
@@ -193,14 +194,14 @@ def _remember_start(bodies, n):
 
 
 @jit
-def _group_impacts(bodies, n, contacts, tags, m, lists):
+def _group_impacts(bodies, n, contacts, tags, m, group):
     """Union-find over the dynamic bodies that bounce off each other."""
     for i in range(n):
-        lists.group[i] = i
+        group[i] = i
     for c in range(m):
         a, b = tags[c, BODY_A], tags[c, BODY_B]
         if tags[c, STATUS] & ACTIVE and is_dynamic(bodies, a) and is_dynamic(bodies, b):
-            join(lists.group, a, b)
+            join(group, a, b)
 
 
 @jit
@@ -210,22 +211,22 @@ def _group_of(bodies, tags, c, group):
 
 
 @jit
-def _lower_restitution(bodies, n, contacts, tags, m, lists):
+def _lower_restitution(bodies, n, contacts, tags, m, group, gain):
     """Lower the aim of every group whose impacts would create energy. Returns whether there was one."""
     for i in range(n):
-        lists.gain[i, 0] = 0.0
-        lists.gain[i, 1] = 0.0
+        gain[i, 0] = 0.0
+        gain[i, 1] = 0.0
     for c in range(m):
         if tags[c, STATUS] & ACTIVE:
             normal, friction, rolling = dissipation(bodies, contacts, tags, c)
-            group = _group_of(bodies, tags, c, lists.group)
-            lists.gain[group, 0] -= normal + friction + rolling
-            lists.gain[group, 1] += contacts[c, IMPULSE] * abs(contacts[c, START])
+            g = _group_of(bodies, tags, c, group)
+            gain[g, 0] -= normal + friction + rolling
+            gain[g, 1] += contacts[c, IMPULSE] * abs(contacts[c, START])
     lowered = False
     for c in range(m):
         if tags[c, STATUS] & ACTIVE:
-            group = _group_of(bodies, tags, c, lists.group)
-            if lists.gain[group, 0] > 1e-12 * lists.gain[group, 1] and contacts[c, AIM] < 0.0:
+            g = _group_of(bodies, tags, c, group)
+            if gain[g, 0] > 1e-12 * gain[g, 1] and contacts[c, AIM] < 0.0:
                 contacts[c, AIM] *= RESTITUTION_CUT
                 if contacts[c, AIM] > -1e-3 * contacts[c, START]:
                     contacts[c, AIM] = 0.0
@@ -234,7 +235,7 @@ def _lower_restitution(bodies, n, contacts, tags, m, lists):
 
 
 @jit
-def resolve_resting(bodies, contacts, tags, m, lists, settings, ledger, report):
+def resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, ledger, report):
     """Resting contact: the speed that the forces of this step gave is taken away by micro-collisions.
 
     A contact that is still open may close by its gap within the step, and no further.
@@ -248,9 +249,9 @@ def resolve_resting(bodies, contacts, tags, m, lists, settings, ledger, report):
         put_vec3(contacts, c, TWIST, Vec3(0.0, 0.0, 0.0))
     limit = settings.iterations * m
     if settings.literal:
-        visits, left = settle_literally(bodies, contacts, tags, m, lists, settings.threshold, limit)
+        visits, left = settle_literally(bodies, contacts, tags, m, first, touching, tree, settings.threshold, limit)
     else:
-        visits, left = settle(bodies, contacts, tags, m, lists, limit)
+        visits, left = settle(bodies, contacts, tags, m, first, touching, tree, limit)
         _note(report, RESTING, visits, left, TOLERANCE)
     if settings.literal:
         _note(report, RESTING, visits, 0.0 if visits < limit else left, 0.0)
