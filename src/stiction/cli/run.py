@@ -46,7 +46,7 @@ def run(
         overrides.append(f"duration={seconds}")
     for option, path in (("--html", html), ("--plot", plot), ("--record", record)):
         if path is not None:
-            outputs.writable(option, path)
+            outputs.writable(option, path, make_folder=True)
 
     simulation = Simulation(load(scene, overrides))
     world = simulation.world
@@ -143,7 +143,9 @@ def _print_table(simulation: Simulation, rows: list[Any], wall: float) -> None:
     made = table(scene.title, ["body", "shape", "material", *numbers[:2], "state", numbers[2]], right=numbers)
     for row in rows:
         state = f"[{STYLES[row.motion]}]{row.motion}[/]"
-        moved, speed, lost = f"{row.displacement:.4f}", f"{row.speed:.4f}", f"{row.friction_work:.2f}"
+        # adding zero turns -0 into 0
+        lost = f"{round(row.friction_work, 2) + 0.0:.2f}"
+        moved, speed = f"{row.displacement:.4f}", f"{row.speed:.4f}"
         made.add_row(row.name, row.shape, row.material, moved, speed, state, lost)
     out.print(f"[italic]{scene.expect}[/]")
     out.print(made)

@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction import checks
+from stiction import checks, outputs
 from stiction.errors import InvalidInputError, OutputError
 from stiction.motion import Motion
 from stiction.record.frames import Frames
 from stiction.view import style
-from stiction.view.html import check_writable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,6 +40,8 @@ LIMITS: dict[str, dict[str, Any]] = {
 """Lines of the Coulomb limits."""
 LEAST_SPEED = 0.05
 """The speed axis reaches at least this far, in m/s, so that rounding at rest does not look like motion."""
+LINE = 90
+"""Letters that fit above a row of axes beside the coefficients."""
 KILO_FROM = 5000.0
 """Forces above this many newtons are shown in kN."""
 
@@ -84,9 +85,12 @@ def plot_run(frames: Frames, pairs: Pairs, path: str | Path, *, bodies: list[str
     known = FigureCanvasAgg.get_supported_filetypes()
     if target.suffix[1:].lower() not in known:
         raise OutputError(f"path must end in one of {', '.join(sorted(known))}, got {str(target)!r}.")
-    check_writable(target)
+    outputs.writable("path", target)
     figure = run_figure(frames, pairs, bodies=bodies)
-    figure.savefig(target, dpi=DPI)
+    try:
+        figure.savefig(target, dpi=DPI)
+    except OSError as error:
+        raise outputs.not_writable("path", target, error) from error
     return target
 
 
@@ -124,7 +128,8 @@ def run_figure(frames: Frames, pairs: Pairs, *, bodies: list[str] | None = None)
         _draw_forces(lower, frames.times, forces[n], unit)
         upper.tick_params(labelbottom=False)
         upper.set_title(frames.bodies[n].name, loc="left", fontsize=11, fontweight="bold", color=style.INK, pad=4)
-        if len(forces[n].coefficients) == 1:
+        # a long name needs the room for itself
+        if len(forces[n].coefficients) == 1 and len(frames.bodies[n].name) * columns <= LINE:
             static, dynamic = next(iter(forces[n].coefficients))
             text = rf"$\mu_s$ = {static:g}, $\mu_d$ = {dynamic:g}"
             upper.set_title(text, loc="right", fontsize=9.5, color=style.MUTED_INK, pad=4)

@@ -114,6 +114,8 @@ def _facing(camera: Camera, normals: Array) -> float:
 def _visibility(camera: Camera, centers: Array, radii: Array, cores: Array) -> float:
     """Size of the bodies in the picture at their mean distance, cut by the share that the worst neighbour may hide."""
     times, count = centers.shape[:2]
+    if not count:
+        return 1.0
     picked = np.unique(np.linspace(0, count - 1, min(count, MOST_POINTS // times)).astype(int))
     forward = camera.look_at - camera.position
     forward /= np.linalg.norm(forward)

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction import checks
-from stiction.errors import InvalidInputError, OutputError
+from stiction import checks, outputs
+from stiction.errors import InvalidInputError
 from stiction.motion import Motion
 from stiction.record.frames import Frames
 from stiction.view import style
@@ -47,11 +47,10 @@ def write_html(
         InvalidInputError: ``frames`` is empty or ``fps`` is not above 0.
         OutputError: the page cannot be written; found out before any work.
     """
-    target = Path(path)
     limit = MOST_FPS if fps is None else checks.positive("fps", fps, "1/s")
     if not len(frames):
         raise InvalidInputError("frames must hold at least one frame, got 0.")
-    check_writable(target)
+    target = outputs.writable("path", path)
     from stiction.view import recording
     from stiction.view.survey import survey
 
@@ -64,21 +63,9 @@ def write_html(
     try:
         target.write_text(page, encoding="utf-8")
     except OSError as error:
-        raise _not_writable(target, error) from error
+        raise outputs.not_writable("path", target, error) from error
     tell(1.0)
     return target
-
-
-def check_writable(path: Path) -> None:
-    """Raises :class:`OutputError` if no file can be written there; leaves no trace."""
-    existed = path.exists()
-    try:
-        with path.open("ab"):
-            pass
-        if not existed:
-            path.unlink()
-    except OSError as error:
-        raise _not_writable(path, error) from error
 
 
 def pick_frames(times: NDArray[np.float64], fps: float) -> NDArray[np.int64]:
@@ -94,10 +81,6 @@ def pick_frames(times: NDArray[np.float64], fps: float) -> NDArray[np.int64]:
     return np.union1d(first_of_slot, [len(times) - 1])
 
 
-def _not_writable(path: Path, error: OSError) -> OutputError:
-    return OutputError(f"path must be a file that can be written, got {str(path)!r} ({error.strerror}).")
-
-
 def _ignore(share: float) -> None:
     """No one wants to know."""
 
@@ -109,6 +92,8 @@ _STYLE = f"""
   body {{ display: flex; flex-direction: column; }}
   #root {{ flex: 1; min-height: 0; }}
   canvas[data-engine] {{ background: linear-gradient({style.SKY_TOP}, {style.SKY_BOTTOM}); }}
+  /* the player's note that there is no graphics card: it would lie over the scene, which plays all the same */
+  #webgl-software-rendering {{ display: none !important; }}
   #stiction {{
     flex: none; display: flex; flex-wrap: wrap; align-items: baseline; gap: 4px 32px; padding: 10px 18px;
     font: 14px/1.5 {style.FONT_STACK}; color: {style.INK}; background: {style.PAPER};

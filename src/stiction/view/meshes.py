@@ -108,6 +108,23 @@ def bounds(shape: Shape) -> tuple[Array, Array]:
     return -half, half
 
 
+def height(shape: Shape, rotation: Array) -> float:
+    """How far a bounded shape reaches above its frame's origin in m, turned by a rotation matrix (3, 3)."""
+    up = rotation[2]
+    match shape:
+        case Box():
+            return float(np.abs(up) @ np.array(shape.size) / 2)
+        case Sphere():
+            return shape.radius
+        case Cylinder():
+            return float(abs(up[2]) * shape.length / 2 + math.hypot(up[0], up[1]) * shape.radius)
+        case Capsule():
+            return float(abs(up[2]) * shape.length / 2 + shape.radius)
+        case ConvexHull():
+            return float((shape.points @ up).max())
+    raise TypeError(f"no height for a {type(shape).__name__}")
+
+
 def sphere(radius: float) -> Mesh:
     """A ball about the origin."""
     return _revolve(_arc(radius, 0.0, -90.0, 90.0))

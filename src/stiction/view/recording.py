@@ -30,6 +30,8 @@ HOLD = 1.0
 """Seconds that the last picture stays before the player starts again."""
 LEAST_SLOPE_COSINE = 0.3
 """Planes whose normal is nearer to the horizontal than this cosine are walls, not slopes."""
+LEVEL = 0.9999
+"""Planes whose normal is nearer to the vertical than this cosine are floors."""
 MOST_NAMES = 12
 """Names are shown beside the moving bodies if there are no more than this."""
 PALETTE = np.array([style.surface(style.MOTION_COLORS[motion]) for motion in Motion])
@@ -51,8 +53,9 @@ def record(frames: Frames, picked: Indices, seen: Survey, progress: Callable[[fl
         server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
     try:
         first = int(picked[0])
-        _set_stage(server, frames, seen)
-        updates = [*_add_grounds(server, frames, seen), *_add_bodies(server, frames, first)]
+        view = _view(frames, seen)
+        _set_stage(server, view)
+        updates = [*_add_grounds(server, frames, seen, view), *_add_bodies(server, frames, first)]
         updates += [*_add_names(server, frames, seen), _add_contacts(server, frames, picked, seen.typical)]
         recording = server.get_scene_serializer()
         for n, k in enumerate(picked.tolist()):
@@ -87,17 +90,8 @@ def _quiet() -> Iterator[None]:
 Update = Callable[[int], None]
 
 
-def _set_stage(server: ViserServer, frames: Frames, seen: Survey) -> None:
+def _set_stage(server: ViserServer, view: camera.Camera) -> None:
     """Camera and light."""
-    normals = np.array(
-        [
-            matrices(frames.orientations[0, n]) @ np.array(body.shape.normal)
-            for n, body in enumerate(frames.bodies)
-            if isinstance(body.shape, Plane)
-        ]
-    ).reshape(-1, 3)
-    grounds = normals[normals[:, 2] > LEAST_SLOPE_COSINE]
-    view = camera.place(seen.points, seen.centers, seen.radii, seen.cores, grounds)
     distance = float(np.linalg.norm(view.position - view.look_at))
     server.scene.set_up_direction("+z")
     server.initial_camera.up = (0.0, 0.0, 1.0)
@@ -106,17 +100,26 @@ def _set_stage(server: ViserServer, frames: Frames, seen: Survey) -> None:
     server.initial_camera.fov = view.field_of_view
     server.initial_camera.near = distance / 500.0
     server.initial_camera.far = distance * 100.0
-    server.scene.add_light_ambient("/light", intensity=style.AMBIENT)
+    # the player's own light comes from above and throws the shadows; its panorama costs seconds without a graphics card
+    server.scene.configure_environment_map(hdri=None)
+    server.scene.add_light_ambient("/light/all round", intensity=style.AMBIENT)
+    # over the reader's left shoulder, so that two sides of a box differ; without decay it is as good as far away
+    forward = (view.look_at - view.position) / distance
+    left = np.cross((0.0, 0.0, 1.0), forward)
+    lamp = view.position + distance * (0.9 * left + np.array([0.0, 0.0, 0.2]))
+    server.scene.add_light_point("/light/lamp", intensity=style.LAMP, decay=0.0, position=tuple(lamp.tolist()))
 
 
-def _add_grounds(server: ViserServer, frames: Frames, seen: Survey) -> list[Update]:
+def _add_grounds(server: ViserServer, frames: Frames, seen: Survey, view: camera.Camera) -> list[Update]:
     """A block with a grid on it for every plane, large enough for all that comes to it."""
-    planes = [n for n, body in enumerate(frames.bodies) if isinstance(body.shape, Plane)]
     # fixed bodies stand on the ground too, but one that reaches far out must not make it endless
     lowest, highest = seen.points.min(axis=0), seen.points.max(axis=0)
     room = 0.5 * (highest - lowest).max()
     fixed = [n for n, body in enumerate(frames.bodies) if body.fixed and body.shape.bounded]
-    fixtures = [np.clip(world_corners(frames, n, 0), lowest - room, highest + room) for n in fixed]
+    everything = np.concatenate(
+        [seen.points, *(np.clip(world_corners(frames, n, 0), lowest - room, highest + room) for n in fixed)]
+    )
+    planes = [n for n, body in enumerate(frames.bodies) if isinstance(body.shape, Plane)]
     moves = _changes(frames)
     updates: list[Update] = []
     for n in planes:
@@ -124,11 +127,11 @@ def _add_grounds(server: ViserServer, frames: Frames, seen: Survey) -> list[Upda
         assert isinstance(plane, Plane)
         rotation = matrices(frames.orientations[0, n])
         frame = _patch_frame(plane, rotation)
-        if len(planes) == 1:
-            points = np.concatenate([seen.points, *fixtures])
-        else:
-            touching = (frames.contacts["body_a"] == n) | (frames.contacts["body_b"] == n)
-            points = frames.contacts["point"][touching] if touching.any() else seen.points
+        normal = rotation @ frame[:, 2]
+        touching = (frames.contacts["body_a"] == n) | (frames.contacts["body_b"] == n)
+        # a slope among other planes is as large as its use; a floor lies under everything
+        partial = len(planes) > 1 and normal[2] < LEVEL and touching.any()
+        points = frames.contacts["point"][touching] if partial else everything
         low, high = _patch_size((points - frames.positions[0, n]) @ rotation @ frame, seen)
         name = f"/ground/{_clean(frames.bodies[n].name)}"
         holder = server.scene.add_frame(name, show_axes=False)
@@ -145,6 +148,9 @@ def _add_grounds(server: ViserServer, frames: Frames, seen: Survey) -> list[Upda
             cast_shadow=False,
             **patch,
         )
+        updates.append(_follower(holder, frames, n))
+        if float(normal @ (view.position - view.look_at)) < 0.0:
+            continue  # a wall between the reader and the scene: its grid would lie over everything
         # a little above the block, or the two would flicker through each other
         patch["position"] = patch["position"] + frame[:, 2] * 2e-3 * seen.cell
         server.scene.add_grid(
@@ -163,7 +169,6 @@ def _add_grounds(server: ViserServer, frames: Frames, seen: Survey) -> list[Upda
             plane_opacity=0.0,
             **patch,
         )
-        updates.append(_follower(holder, frames, n, np.zeros(3)))
     return updates
 
 
@@ -215,12 +220,19 @@ def _add_names(server: ViserServer, frames: Frames, seen: Survey) -> list[Update
     """Names above the moving bodies, if they are few."""
     if len(seen.moving) > MOST_NAMES:
         return []
-    updates = []
-    for n, radius in zip(seen.moving.tolist(), seen.radii, strict=True):
-        name = frames.bodies[n].name
-        label = server.scene.add_label(f"/names/{_clean(name)}", name, anchor="bottom-center", font_screen_scale=0.85)
-        updates.append(_follower(label, frames, n, np.array([0.0, 0.0, 0.9 * radius]), turns=False))
-    return updates
+    return [_name_update(server, frames, n, 0.1 * seen.typical) for n in seen.moving.tolist()]
+
+
+def _name_update(server: ViserServer, frames: Frames, n: int, gap: float) -> Update:
+    body = frames.bodies[n]
+    node = f"/names/{_clean(body.name)}"
+    label = server.scene.add_label(node, body.name, anchor="bottom-center", font_screen_scale=0.85)
+
+    def update(k: int) -> None:
+        top = meshes.height(body.shape, matrices(frames.orientations[k, n]))
+        label.position = frames.positions[k, n] + (0.0, 0.0, top + gap)
+
+    return update
 
 
 def _add_contacts(server: ViserServer, frames: Frames, picked: Indices, typical: float) -> Update:
@@ -263,18 +275,37 @@ def _add_contacts(server: ViserServer, frames: Frames, picked: Indices, typical:
     return update
 
 
-def _follower(handle: Any, frames: Frames, n: int, offset: Array, *, turns: bool = True) -> Update:
-    """Keeps a node at body n, moved by a fixed offset in world axes."""
+def _follower(handle: Any, frames: Frames, n: int) -> Update:
+    """Keeps a node where body n is."""
 
     def update(k: int) -> None:
-        handle.position = frames.positions[k, n] + offset
-        if turns:
-            handle.wxyz = frames.orientations[k, n]
+        handle.position = frames.positions[k, n]
+        handle.wxyz = frames.orientations[k, n]
 
     return update
 
 
 # --- geometry ---------------------------------------------------------------------------------------------------------
+
+
+def _view(frames: Frames, seen: Survey) -> camera.Camera:
+    """Where the reader stands at first: before the scene and above its floors and slopes."""
+    planes = [(n, body.shape) for n, body in enumerate(frames.bodies) if isinstance(body.shape, Plane)]
+    normals = [matrices(frames.orientations[0, n]) @ np.array(plane.normal) for n, plane in planes]
+    normals += supports(frames)
+    grounds = np.array([normal for normal in normals if normal[2] > LEAST_SLOPE_COSINE]).reshape(-1, 3)
+    return camera.place(seen.points, seen.centers, seen.radii, seen.cores, grounds)
+
+
+def supports(frames: Frames) -> list[NDArray[np.float64]]:
+    """The directions (3,) in which fixed bodies carry others, each once: normals of their contacts, rounded to 0.1."""
+    rows = frames.contacts
+    if not len(rows):
+        return []
+    fixed = np.array([body.fixed for body in frames.bodies])
+    carried_by_a, carried_by_b = fixed[rows["body_a"]], fixed[rows["body_b"]]
+    normals = np.concatenate([rows["normal"][carried_by_a], -rows["normal"][carried_by_b]])
+    return list(np.unique(normals.round(1), axis=0))
 
 
 def _patch_frame(plane: Plane, rotation: Array) -> Array:
@@ -307,7 +338,7 @@ def _block(half: Array, frame: Array, thickness: float, *, wedge: bool) -> meshe
     top = np.array([[x * half[0], y * half[1], 0.0] for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
     if frame[2, 2] < LEAST_SLOPE_COSINE:
         return meshes.sheet(top)
-    if frame[2, 2] > 0.9999 or not wedge:
+    if frame[2, 2] > LEVEL or not wedge:
         return meshes.prism(top, top - (0.0, 0.0, thickness))
     heights = top @ frame[2]
     return meshes.prism(top, top - (heights - heights.min() + thickness)[:, None] * frame[2])

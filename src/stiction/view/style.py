@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from stiction.motion import Motion
 
 MOTION_COLORS: dict[Motion, str] = {
-    Motion.FIXED: "#a9b0b7",
-    Motion.FREE: "#6cc0f0",
-    Motion.STICKING: "#009e73",
+    Motion.FIXED: "#b9bfc5",
+    Motion.FREE: "#74c4f2",
+    Motion.STICKING: "#008f68",
     Motion.SLIDING: "#e8590c",
     Motion.ROLLING: "#6a3d9a",
 }
@@ -30,7 +30,7 @@ SKY_TOP, SKY_BOTTOM = "#dfe8f1", "#fbfcfd"
 """Background of the page, from top to bottom."""
 NORMAL = "#1230a8"
 """Normals of contacts."""
-GROUND = "#d6dce2"
+GROUND = "#e0e6eb"
 """Patches that stand for planes."""
 GRID_LINE, GRID_SECTION = "#c3cbd3", "#98a4b0"
 """Lines of the grid on a plane: every cell, every fifth cell."""
@@ -44,9 +44,11 @@ CONTACT_RADIUS = 0.065
 NORMAL_LENGTH = 0.75
 """Length of a contact normal, as a share of the typical size of the moving bodies."""
 
-AMBIENT = 2.4
-"""Light from everywhere that the page adds to the player's own, so that no face is dark."""
-LIGHT = 1.9
+AMBIENT = 3.2
+"""Light from all round that the page adds to the player's own, so that no face is dark."""
+LAMP = 1.3
+"""Light from the reader's side."""
+LIGHT = 1.6
 """What a face in middling light sends back of it, were it white; measured in the page."""
 OPACITY = 0.85
 """Of moving bodies: enough to see their contacts through them."""

@@ -16,7 +16,7 @@ Indices = NDArray[np.int64]
 
 FARTHEST = 25.0
 """Bodies that end up farther away than this many sizes of the scene at its start are left out of the first picture."""
-CELLS = 16
+CELLS = 12
 """The grid has about this many cells along the longer side of what is seen."""
 SURVEY = 24
 """Frames looked at to find the bounds of the run."""
