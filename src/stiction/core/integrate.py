@@ -12,20 +12,18 @@ import math
 from stiction.core.contact_rows import arm, is_dynamic
 from stiction.core.contact_space import skew
 from stiction.core.jit import jit
+from stiction.core.ledger import spin_energy
 from stiction.core.state import (
     BODY_A,
     BODY_B,
     CENTER,
-    EDITS,
     FORCE,
     INERTIA,
-    INITIAL,
     INVERSE_MASS,
     KINEMATIC,
     LAST,
     MASS,
     MEAN,
-    MECHANICAL,
     MOBILITY,
     NORMAL,
     NUMERICAL,
@@ -188,43 +186,6 @@ def place(bodies, i, dx, angle):
     put_vec3(bodies, i, X, x)
     put_quat(bodies, i, ORIENTATION, q)
     put_vec3(bodies, i, POSITION, x - rotation(q) @ vec3(bodies, i, CENTER))
-
-
-@jit
-def spin_energy(bodies, i):
-    """1/2 w . I w of a body, J."""
-    w = transpose(rotation(quat(bodies, i, ORIENTATION))) @ vec3(bodies, i, W)
-    return 0.5 * dot(w, mat33(bodies, i, INERTIA) @ w)
-
-
-@jit
-def total_energy(bodies, n, gravity):
-    """Kinetic and potential energy of all dynamic bodies, J; heights are measured from the origin."""
-    kinetic, potential = 0.0, 0.0
-    for i in range(n):
-        if is_dynamic(bodies, i):
-            v = vec3(bodies, i, V)
-            kinetic += 0.5 * bodies[i, MASS] * dot(v, v) + spin_energy(bodies, i)
-            x = vec3(bodies, i, POSITION) + rotation(quat(bodies, i, ORIENTATION)) @ vec3(bodies, i, CENTER)
-            potential -= bodies[i, MASS] * dot(gravity, x)
-    return kinetic, potential
-
-
-@jit
-def note_edits(bodies, n, gravity, ledger):
-    """What bodies that were added, moved or pushed from outside since the last step changed, enters the ledger."""
-    kinetic, potential = total_energy(bodies, n, gravity)
-    if math.isnan(ledger[INITIAL]):
-        ledger[INITIAL] = kinetic + potential
-    else:
-        ledger[EDITS] += kinetic + potential - ledger[MECHANICAL]
-
-
-@jit
-def close_ledger(bodies, n, gravity, ledger):
-    """Remember the mechanical energy with which a run of steps ends."""
-    kinetic, potential = total_energy(bodies, n, gravity)
-    ledger[MECHANICAL] = kinetic + potential
 
 
 @jit

@@ -8,17 +8,17 @@ from stiction.core.contact_rows import prepare_bodies, prepare_contacts
 from stiction.core.integrate import (
     apply_forces,
     choose_mean,
-    close_ledger,
     first_not_finite,
     keep_state,
     move,
-    note_edits,
     push_out,
     restore_state,
-    total_energy,
 )
 from stiction.core.jit import entry
-from stiction.core.solve.stages import resolve_impacts, resolve_penetrations, resolve_resting
+from stiction.core.ledger import close_ledger, note_edits, total_energy
+from stiction.core.solve.impacts import resolve_impacts
+from stiction.core.solve.penetrations import resolve_penetrations
+from stiction.core.solve.resting import resolve_resting
 from stiction.core.vec import Vec3, length
 
 DONE, MORE_PAIRS, MORE_CONTACTS, BLOWN_UP = 0, 1, 2, 3

@@ -37,17 +37,15 @@ from stiction.core.state import (
     NORMAL,
     ROLLING,
     SATURATED,
-    START,
     STATIC_MU,
     STATUS,
     TORSIONAL,
     TWIST,
-    W_START,
     WORLD_INERTIA,
     V,
     W,
 )
-from stiction.core.vec import Vec3, dot, length, mat33, put_vec3, vec3
+from stiction.core.vec import Vec3, length, mat33, put_vec3, vec3
 from stiction.core.worst import build, leaves_for, update, worst
 
 TOLERANCE = 1e-6
@@ -174,21 +172,3 @@ def let_go(bodies, contacts, tags, m, tree, leaves):
                 tags[c, STATUS] = status | KINETIC
                 update(tree, leaves, c, error(bodies, contacts, tags, c))
     return tree[1] > TOLERANCE
-
-
-@jit
-def dissipation(bodies, contacts, tags, c):
-    """Energy that one contact's impulse takes away, J: normal part, friction, and rolling resistance.
-
-    An impulse g that changes the velocity from u0 to u1 while other impulses act with it does the work
-    g . (u0 + u1) / 2: summed over all impulses of the step that is exactly the change of kinetic energy.
-    """
-    B = contact_basis(vec3(contacts, c, NORMAL))
-    u0 = vec3(contacts, c, START)
-    u1 = slip(bodies, V, W, contacts, tags, c, B)
-    g = vec3(contacts, c, IMPULSE)
-    normal = 0.5 * g.x * (u0.x + u1.x)
-    friction = 0.5 * (g.y * (u0.y + u1.y) + g.z * (u0.z + u1.z))
-    spin = relative_spin(bodies, W_START, tags, c) + relative_spin(bodies, W, tags, c)
-    rolling = 0.5 * dot(B @ vec3(contacts, c, TWIST), spin)
-    return normal, friction, rolling
