@@ -188,7 +188,13 @@ class Body:
         self._world._write(self.index, column, value)
 
     def _add(self, column: str, value: Array) -> None:
-        self._set(column, self._get(column, len(value)) + value)
+        with np.errstate(over="ignore"):
+            total = self._get(column, len(value)) + value
+        if not np.isfinite(total).all():
+            raise InvalidInputError(
+                f"what is applied to body {self.name!r} must stay finite, got {value} on top of it."
+            )
+        self._set(column, total)
 
     def _arm(self, at: ArrayLike | None) -> Array | None:
         return None if at is None else checks.vector("at", at) - self.center_of_mass

@@ -18,10 +18,12 @@ from stiction.core.state import (
     BODY_B,
     CENTER,
     FORCE,
+    FRICTION_WORK,
     INERTIA,
     INVERSE_MASS,
     KINEMATIC,
     LAST,
+    LEDGER_WIDTH,
     MASS,
     MEAN,
     MOBILITY,
@@ -202,20 +204,26 @@ def first_not_finite(bodies, n):
 
 
 @jit
-def keep_state(bodies, n):
-    """Remember position, orientation and velocities of every body."""
+def keep_state(bodies, n, ledger, last_ledger):
+    """Remember position, orientation, velocities and friction work of every body, and the ledger."""
+    for k in range(LEDGER_WIDTH):
+        last_ledger[k] = ledger[k]
     for i in range(n):
         for k in range(7):
             bodies[i, LAST + k] = bodies[i, POSITION + k]
         for k in range(6):
             bodies[i, LAST + 7 + k] = bodies[i, V + k]
+        bodies[i, LAST + 13] = bodies[i, FRICTION_WORK]
 
 
 @jit
-def restore_state(bodies, n):
+def restore_state(bodies, n, ledger, last_ledger):
     """Put back what keep_state remembered."""
+    for k in range(LEDGER_WIDTH):
+        ledger[k] = last_ledger[k]
     for i in range(n):
         for k in range(7):
             bodies[i, POSITION + k] = bodies[i, LAST + k]
         for k in range(6):
             bodies[i, V + k] = bodies[i, LAST + 7 + k]
+        bodies[i, FRICTION_WORK] = bodies[i, LAST + 13]

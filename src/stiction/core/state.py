@@ -50,9 +50,9 @@ def _starts(*widths: int) -> list[int]:
     INERTIA,  # 9, about the centre of mass, in the shape's axes, kg m^2
     INVERSE_INERTIA,  # 9, the same axes, 0 unless dynamic
     FRICTION_WORK,  # lost to friction and rolling resistance at this body's contacts so far, J
-    LAST,  # 13, last finite position, orientation, v, w
+    LAST,  # 14, last finite position, orientation, v, w and friction work
     BODY_WIDTH,
-) = _starts(3, 3, 3, 1, 9, 3, 3, 3, 1, 3, 4, 4, 6, 3, 3, 1, 3, 9, 9, 1, 13)
+) = _starts(3, 3, 3, 1, 9, 3, 3, 3, 1, 3, 4, 4, 6, 3, 3, 1, 3, 9, 9, 1, 14)
 PUSH, PUSH_TURN = BOUNDS, BOUNDS + 3  # way out of penetration, m and rad
 
 SHAPE, MOBILITY, MATERIAL, KINDS_WIDTH = range(4)
@@ -97,6 +97,7 @@ class Lists(NamedTuple):
     tree: np.ndarray  # (2 x the power of two that holds m,) float64 tournament tree of the contacts' errors
     group: np.ndarray  # (n,) int64 union-find
     gain: np.ndarray  # (n, 2) energy change of a group, and its scale
+    ledger: np.ndarray  # (LEDGER_WIDTH,) float64 the ledger at the last finite state
     points: np.ndarray  # (16, 5) candidates of one manifold: point, separation, feature
 
 
@@ -146,5 +147,6 @@ def make_lists(n: int, m: int, p: int) -> Lists:
         tree=np.zeros(2 << max(m - 1, 0).bit_length()),
         group=np.zeros(n, np.int64),
         gain=np.zeros((n, 2)),
+        ledger=np.zeros(LEDGER_WIDTH),
         points=np.zeros((16, 5)),
     )

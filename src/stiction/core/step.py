@@ -34,11 +34,11 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
     g, dt = length(gravity), settings.dt
-    order, pairs, first, touching, tree, group, gain, points = lists
+    order, pairs, first, touching, tree, group, gain, last_ledger, points = lists
     m = 0
     note_edits(bodies, n, gravity, ledger)
     for done in range(steps):
-        keep_state(bodies, n)
+        keep_state(bodies, n, ledger, last_ledger)
 
         update_bounds(bodies, kinds, n, g, dt)
         meeting = find_pairs(bodies, kinds, n, order, pairs)
@@ -66,7 +66,7 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
 
         bad = first_not_finite(bodies, n)
         if bad >= 0:
-            restore_state(bodies, n)
+            restore_state(bodies, n, ledger, last_ledger)
             close_ledger(bodies, n, gravity, ledger)
             return BLOWN_UP, done, bad, m
     close_ledger(bodies, n, gravity, ledger)
