@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from typing import Any
+
 from stiction import __version__
 
 project = "stiction"
@@ -24,10 +27,29 @@ myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath", "fi
 myst_heading_anchors = 3
 
 autodoc_member_order = "bysource"
-autodoc_typehints = "description"
-autodoc_typehints_description_target = "documented"
+autodoc_typehints = "none"  # docstrings give shape and unit, which says more than ArrayLike
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 
 html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["wide.css"]
 html_title = f"stiction {release}"
+
+
+def _prepare_docstring(app: Any, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+    """Read docstrings as they are meant, before napoleon sees them.
+
+    Bars are absolute values, |g_t| <= mu g_n, not substitutions. And a property's first line may have a colon in it
+    that does not part a type from a description; napoleon looks for one in the first line only, here an empty comment.
+    """
+    for i, line in enumerate(lines):
+        parts = re.split("(``.*?``)", line)
+        lines[i] = "".join(part if part.startswith("``") else part.replace("|", "\\|") for part in parts)
+    if what in ("property", "attribute", "data") and lines and ":" in lines[0]:
+        lines[:0] = ["..", ""]
+
+
+def setup(app: Any) -> None:
+    """Called by Sphinx."""
+    app.connect("autodoc-process-docstring", _prepare_docstring, priority=400)

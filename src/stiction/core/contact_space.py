@@ -8,10 +8,11 @@ impulse g (in contact coordinates: normal first, then the two planar directions)
 and changes the collision velocity by -K g. The impulse that removes a velocity v is then simply g = K^-1 v: the normal
 impulse is positive where bodies push, and friction points along the slip of A that it takes away.
 
-Convention: the slides' M^-T I^-1 M^T transforms a body tensor with the transposed (row-vector) rotation M; with column
-vectors and R = M^T it is R I^-1 R^T, which is what this package uses. The slides' chain u = S_p B, dr = I^-1 u,
-dv = dr S_p (-1), B^-1 dv then reads K_angular = B^T (-S_p I^-1 S_p) B. (The slides keep S_p to the right, which fits
-row vectors only, and would apply B twice if read with column vectors.) K must come out symmetric and positive definite.
+Convention: for a rotation M^-T = M, so the slides' M^-T I^-1 M^T is M I^-1 M^T, which with column vectors and M = R,
+the rotation from the body's axes to the world's, is the R I^-1 R^T of this package. The slides' chain u = S_p B,
+dr = I^-1 u, dv = dr S_p (-1), B^-1 dv is read as K_angular = B^T (-S_p I^-1 S_p) B, with S_p to the left of dr: to its
+right it would be row-vector notation, in which dr S_p = dr x p needs no (-1), and B would stand between the two S_p.
+K must come out symmetric and positive definite.
 """
 
 from __future__ import annotations

@@ -1,0 +1,19 @@
+"""Draw every figure of the documentation anew: ``python docs/figures/make.py``, into ``docs/_static``."""
+
+from __future__ import annotations
+
+import clipping
+import push_and_release
+import stopping
+import threshold
+
+
+def main() -> None:
+    """Draw all of them and print the numbers that the pages quote."""
+    for figure in (stopping, clipping, push_and_release, threshold):
+        print(f"--- {figure.__name__}")
+        figure.draw()
+
+
+if __name__ == "__main__":
+    main()
