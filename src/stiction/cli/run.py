@@ -44,9 +44,13 @@ def run(
     overrides = list(set_ or [])
     if seconds is not None:
         overrides.append(f"duration={seconds}")
-    for option, path in (("--html", html), ("--plot", plot), ("--record", record)):
+    for option, path in (("--html", html), ("--record", record)):
         if path is not None:
             outputs.writable(option, path, make_folder=True)
+    if plot is not None:
+        from stiction.plot.run import check_path
+
+        check_path("--plot", plot, make_folder=True)
 
     simulation = Simulation(load(scene, overrides))
     world = simulation.world

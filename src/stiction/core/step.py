@@ -55,6 +55,8 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
         prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n)
         if resolve_penetrations(bodies, n, contacts, tags, m, first, touching, tree, report, settings.iterations):
             push_out(bodies, n, gravity, ledger)
+            prepare_bodies(bodies, n)
+            prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n)
         if not settings.literal:
             resolve_impacts(
                 bodies, n, contacts, tags, m, first, touching, tree, group, gain, settings, ledger, report, gravity

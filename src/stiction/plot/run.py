@@ -79,19 +79,33 @@ def plot_run(frames: Frames, pairs: Pairs, path: str | Path, *, bodies: list[str
         InvalidInputError: see :func:`run_figure`.
         OutputError: the picture cannot be written, or its ending names no known format; found out before any work.
     """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    target = Path(path)
-    known = FigureCanvasAgg.get_supported_filetypes()
-    if target.suffix[1:].lower() not in known:
-        raise OutputError(f"path must end in one of {', '.join(sorted(known))}, got {str(target)!r}.")
-    outputs.writable("path", target)
+    target = check_path("path", path)
     figure = run_figure(frames, pairs, bodies=bodies)
     try:
         figure.savefig(target, dpi=DPI)
     except OSError as error:
         raise outputs.not_writable("path", target, error) from error
     return target
+
+
+def check_path(name: str, path: str | Path, *, make_folder: bool = False) -> Path:
+    """The path, if a picture can be written there.
+
+    Args:
+        name: what the sentence calls the parameter.
+        path: of the picture.
+        make_folder: make the folder if it is missing.
+
+    Raises:
+        OutputError: the file cannot be written, or its ending names no known format.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    target = Path(path)
+    known = FigureCanvasAgg.get_supported_filetypes()
+    if target.suffix[1:].lower() not in known:
+        raise OutputError(f"{name} must end in one of {', '.join(sorted(known))}, got {str(target)!r}.")
+    return outputs.writable(name, target, make_folder=make_folder)
 
 
 def run_figure(frames: Frames, pairs: Pairs, *, bodies: list[str] | None = None) -> Figure:

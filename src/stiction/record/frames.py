@@ -13,6 +13,7 @@ from stiction.shapes import Shape
 
 __all__ = ["CONTACT_DTYPE", "BodyInfo", "Frames"]
 
+
 @dataclass(frozen=True)
 class BodyInfo:
     """What does not change about a body: name, shape, material, mass in kg (inf for a fixed one), fixed or not."""

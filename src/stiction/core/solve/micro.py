@@ -163,12 +163,14 @@ def turning_error(bodies, contacts, tags, c, B):
 
 @jit
 def let_go(bodies, contacts, tags, m, tree, leaves):
-    """Contacts that slip although mu_s holds them become kinetic. Returns whether that leaves anything to resolve."""
+    """Contacts that slip although mu_s holds them become kinetic. Returns whether that leaves anything to resolve.
+
+    Those without a load too: they may be loaded when the others have let go, and then they slip already.
+    """
     for c in range(m):
-        status = tags[c, STATUS]
-        if status & ACTIVE and status & SATURATED and not status & KINETIC and contacts[c, IMPULSE] > 0.0:
+        if tags[c, STATUS] & ACTIVE and not tags[c, STATUS] & KINETIC:
             u = slip(bodies, V, W, contacts, tags, c, contact_basis(vec3(contacts, c, NORMAL)))
             if math.sqrt(u.y * u.y + u.z * u.z) > SLIP_SPEED:
-                tags[c, STATUS] = status | KINETIC
+                tags[c, STATUS] |= KINETIC
                 update(tree, leaves, c, error(bodies, contacts, tags, c))
     return tree[1] > TOLERANCE

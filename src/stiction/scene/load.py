@@ -1,0 +1,96 @@
+"""Finding and reading scene files: the built-in ones by name, others by path."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from stiction.checks import nearest
+from stiction.errors import InvalidInputError
+from stiction.scene.model import SceneTable
+from stiction.scene.overrides import apply_overrides
+from stiction.scene.scene import Scene
+from stiction.scene.validate import validate
+
+SUFFIX = ".toml"
+
+
+def builtin_names() -> list[str]:
+    """Names of the built-in scenes in alphabetical order."""
+    folder = resources.files("stiction.scene").joinpath("builtin")
+    return sorted(file.name.removesuffix(SUFFIX) for file in folder.iterdir() if file.name.endswith(SUFFIX))
+
+
+def builtin_text(name: str) -> str:
+    """The file of a built-in scene, comments included.
+
+    Raises:
+        InvalidInputError: there is none of that name; the nearest one is named.
+    """
+    known = builtin_names()
+    if name not in known:
+        raise InvalidInputError(
+            f"scene must be the path of a TOML file or one of {', '.join(known)}, got {name!r}{nearest(name, known)}."
+        )
+    return resources.files("stiction.scene").joinpath("builtin", name + SUFFIX).read_text(encoding="utf-8")
+
+
+def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scene:
+    """A built-in scene by its name, or the scene in a file.
+
+    Args:
+        name_or_path: what ends in ``.toml`` or contains a slash is a path.
+        overrides: changes such as ``world.dt=0.01``, see :func:`stiction.scene.overrides.apply_overrides`.
+
+    Raises:
+        InvalidInputError: no such scene, a file that cannot be read, a syntax error (with its line), or something in it
+            that is not allowed (with the path of its key).
+
+    Warns:
+        MaterialWarning: dynamic friction of a pair is above its static friction.
+    """
+    text = str(name_or_path)
+    if text.endswith(SUFFIX) or "/" in text or "\\" in text or isinstance(name_or_path, Path):
+        data = parse(_read(Path(text)), text)
+        name = Path(text).stem
+    else:
+        data = parse(builtin_text(text), text + SUFFIX)
+        name = text
+    table = validate(data)
+    if overrides:
+        table = apply_overrides(table, overrides)
+    return Scene(table, name)
+
+
+def parse(text: str, file: str) -> dict[str, Any]:
+    """TOML as plain data; a syntax error names file and line."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        found = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error), re.DOTALL)
+        if found is None:
+            raise InvalidInputError(f"{file}: TOML syntax error: {error}.") from None
+        message, line, column = found.groups()
+        where = f"line {line}, column {column}" if line else f"line {text.count(chr(10)) + 1}, at the end"
+        raise InvalidInputError(f"{file}, {where}: TOML syntax error: {message}.") from None
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a byte-order mark
+    except FileNotFoundError:
+        raise InvalidInputError(f"scene file must exist, got {str(path)!r}.") from None
+    except UnicodeDecodeError:
+        raise InvalidInputError(f"scene file must be TOML text in UTF-8, got {str(path)!r}.") from None
+    except OSError as error:
+        raise InvalidInputError(f"scene file {str(path)!r} cannot be read: {error.strerror}.") from None
+
+
+def json_schema() -> dict[str, Any]:
+    """The JSON schema of scene files, for editors."""
+    schema = SceneTable.model_json_schema(by_alias=True)
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "stiction scene"}

@@ -1,0 +1,347 @@
+"""Recordings in files: what went in comes out, whatever ended the run; other files are refused with one sentence."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+import stiction as st
+from stiction import InvalidInputError, OutputError, SimulationError
+from stiction.record import hdf5
+from stiction.record.bodies import info_from_dict, info_to_dict, shape_from_dict, shape_to_dict
+from stiction.record.frames import CONTACT_DTYPE, BodyInfo, Frames
+from stiction.record.hdf5 import RecordingWriter, load_frames, restore
+from stiction.record.recorder import Recorder
+from stiction.record.run import run, summary
+from stiction.scene import Scene, Simulation, load
+
+ARRAYS = ("times", "positions", "orientations", "velocities", "angular_velocities", "motion", "contacts")
+
+
+def crates() -> Simulation:
+    """Three crates for a second: they stick, slide and stop."""
+    return Simulation(load("push-and-release", ["duration=1.0", "pushes[2].until=0.5"]))
+
+
+def assert_same(a: Frames, b: Frames, first: int | None = None) -> None:
+    """The same frames to the last bit, or the same ``first`` ones."""
+    for name in ARRAYS[:-1]:
+        np.testing.assert_array_equal(getattr(a, name)[:first], getattr(b, name)[:first], strict=True)
+    for number in range(len(a.times[:first])):
+        np.testing.assert_array_equal(a.contacts_of(number), b.contacts_of(number), strict=True)
+    assert a.bodies == b.bodies
+    assert (a.title, a.dt) == (b.title, b.dt)
+
+
+def test_a_file_holds_what_memory_holds(tmp_path: Path) -> None:
+    simulation = crates()
+    recorder = Recorder(simulation.world, simulation.scene.title, every=3)
+    with RecordingWriter(tmp_path / "run.h5", simulation, 3) as writer:
+        run(simulation, recorder=recorder, writer=writer)
+        assert len(writer) == len(recorder) == 68  # 0, 3, … 198, and the last step, 200
+    frames = load_frames(tmp_path / "run.h5")
+    assert_same(frames, recorder.frames())
+    assert frames.contacts.dtype == CONTACT_DTYPE
+    assert frames.meta["outcome"] == "complete"
+    assert frames.meta["stiction_version"] == st.__version__
+    assert frames.meta["scene"] == simulation.scene.to_dict()
+
+
+def test_frames_are_written_in_many_pieces_alike(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hdf5, "BUFFERED_FRAMES", 7)
+    monkeypatch.setattr(hdf5, "CHUNK_BYTES", 256)
+    simulation = crates()
+    recorder = Recorder(simulation.world, simulation.scene.title)
+    with RecordingWriter(tmp_path / "run.h5", simulation) as writer:
+        run(simulation, recorder=recorder, writer=writer, chunk=1)
+    assert_same(load_frames(tmp_path / "run.h5"), recorder.frames())
+
+
+def test_what_is_written_can_be_read_while_the_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So a machine that stops loses little: the file is flushed after some frames, and after a second at the latest."""
+    clock = [100.0]
+    monkeypatch.setattr(hdf5.time, "monotonic", lambda: clock[0])
+    simulation = crates()
+    writer = RecordingWriter(tmp_path / "run.h5", simulation, 10)
+    writer.capture()
+    assert writer._frames == 0, "a single frame waits for others"
+    clock[0] += 5.0
+    simulation.advance(10)
+    writer.capture()
+    assert writer._frames == 2
+    copy = tmp_path / "copy.h5"
+    copy.write_bytes((tmp_path / "run.h5").read_bytes())
+    writer.close()
+    # a copy made while the file is open may be marked as open for writing, but its frames are there
+    with h5py.File(copy, "r") as file:
+        assert len(file["frames/times"]) == 2
+        assert file.attrs["outcome"] == "not closed"
+
+
+def test_contacts_can_be_left_out_of_a_file(tmp_path: Path) -> None:
+    simulation = crates()
+    with RecordingWriter(tmp_path / "run.h5", simulation, 10, contacts=False) as writer:
+        run(simulation, writer=writer)
+    frames = load_frames(tmp_path / "run.h5")
+    assert len(frames) == 21
+    assert len(frames.contacts) == 0 and frames.contact_offsets.tolist() == [0] * 22
+
+
+def test_a_scene_without_bodies_can_be_recorded(tmp_path: Path) -> None:
+    simulation = Simulation(Scene.from_dict({"title": "t", "expect": "e.", "duration": 0.1}))
+    with RecordingWriter(tmp_path / "run.h5", simulation) as writer:
+        run(simulation, writer=writer)
+    frames = load_frames(tmp_path / "run.h5")
+    assert frames.positions.shape == (7, 0, 3) and frames.bodies == []
+    assert restore(tmp_path / "run.h5").total_steps == 6
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        st.Sphere(0.1),
+        st.Box((0.1, 1 / 3, 3)),
+        st.Plane((1, 2, 3), 0.1),
+        st.Capsule(0.1, 0.7),
+        st.Cylinder(0.1, 0.7),
+        st.ConvexHull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1 / 3)]),
+    ],
+)
+def test_a_body_survives_the_way_through_json(shape: st.Shape) -> None:
+    again = shape_from_dict(json.loads(json.dumps(shape_to_dict(shape))))
+    assert type(again) is type(shape)
+    if isinstance(shape, st.ConvexHull):
+        np.testing.assert_array_equal(again.points, shape.points)  # type: ignore[attr-defined]
+    elif isinstance(shape, st.Plane):
+        np.testing.assert_allclose(again.normal, shape.normal, rtol=1e-15)  # type: ignore[attr-defined]
+    else:
+        assert again == shape
+    for mass, fixed in ((2.5, False), (float("inf"), True)):
+        info = BodyInfo("a name", st.Sphere(1), "wood", mass, fixed)
+        assert info_from_dict(json.loads(json.dumps(info_to_dict(info), allow_nan=False))) == info
+
+
+# --- restoring --------------------------------------------------------------------------------------------------------
+
+
+def test_what_was_changed_before_the_run_is_restored_to_the_last_bit(tmp_path: Path) -> None:
+    simulation = crates()
+    crate = simulation.world["resting, 440 N"]
+    crate.velocity = (0.1 + 0.2, 0, 0)
+    crate.orientation = (1, 0, 0, 1e-3)
+    simulation.world.positions[1] += 1e-17
+    begin = simulation.world.state_hash()
+    with RecordingWriter(tmp_path / "run.h5", simulation) as writer:
+        run(simulation, writer=writer)
+    restored = restore(tmp_path / "run.h5")
+    assert restored.scene.name == "push-and-release"
+    assert restored.world.state_hash() == begin != crates().world.state_hash()
+    restored.advance(restored.total_steps)
+    assert restored.world.state_hash() == simulation.world.state_hash()
+
+
+def test_a_recording_of_another_scenes_bodies_is_not_restored(tmp_path: Path) -> None:
+    with RecordingWriter(tmp_path / "run.h5", crates()):
+        pass
+    with h5py.File(tmp_path / "run.h5", "a") as file:
+        del file["scene"]
+        file.create_dataset("scene", data=json.dumps(load("ball").to_dict()), dtype=h5py.string_dtype())
+    with pytest.raises(InvalidInputError, match="holds other bodies than its scene"):
+        restore(tmp_path / "run.h5")
+
+
+# --- runs that end early ----------------------------------------------------------------------------------------------
+
+
+def full_frames() -> Frames:
+    simulation = crates()
+    recorder = Recorder(simulation.world, simulation.scene.title, every=2)
+    run(simulation, recorder=recorder)
+    return recorder.frames()
+
+
+def interrupt_at(step: int) -> Any:
+    def on_progress(done: int, total: int) -> None:
+        if done >= step:
+            raise KeyboardInterrupt
+
+    return on_progress
+
+
+def test_ctrl_c_leaves_a_file_with_the_frames_up_to_there_and_a_simulation_that_goes_on(tmp_path: Path) -> None:
+    simulation = crates()
+    start = simulation.world.positions.copy()
+    with (
+        pytest.raises(KeyboardInterrupt),
+        RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer,
+    ):
+        run(simulation, writer=writer, on_progress=interrupt_at(101), chunk=3)
+    frames = load_frames(tmp_path / "run.h5")
+    assert frames.meta["outcome"] == "interrupted"
+    stopped = simulation.step_index
+    assert 101 <= stopped <= 104
+    assert len(frames) == stopped // 2 + 1
+    assert_same(frames, full_frames(), first=len(frames))
+    assert len(summary(simulation, start)) == 3
+
+    run(simulation)
+    other = crates()
+    other.advance(other.total_steps)
+    assert simulation.world.state_hash() == other.world.state_hash()
+
+
+def test_a_signal_in_the_middle_of_a_run_does_the_same(tmp_path: Path) -> None:
+    simulation = crates()
+
+    def press_ctrl_c(done: int, total: int) -> None:
+        if done >= 50:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt), RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer:
+        run(simulation, writer=writer, on_progress=press_ctrl_c)
+    frames = load_frames(tmp_path / "run.h5")
+    assert frames.meta["outcome"] == "interrupted"
+    assert len(frames) > 20
+    assert_same(frames, full_frames(), first=len(frames))
+
+
+@pytest.mark.parametrize("call", range(8))
+def test_ctrl_c_in_the_middle_of_writing_loses_nothing(
+    call: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whichever of a frame's eight data sets is being written."""
+    simulation = crates()
+    calls = [0]
+    put = hdf5._put
+
+    def interrupted_once(target: Any, start: int, values: Any) -> None:
+        calls[0] += 1
+        if calls[0] == 9 + call:  # the first piece has been written
+            target.resize(start + 1, axis=0)  # as far as a write that is cut off may have come
+            raise KeyboardInterrupt
+        put(target, start, values)
+
+    monkeypatch.setattr(hdf5, "_put", interrupted_once)
+    monkeypatch.setattr(hdf5, "BUFFERED_FRAMES", 10)
+    with pytest.raises(KeyboardInterrupt), RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer:
+        run(simulation, writer=writer)
+    frames = load_frames(tmp_path / "run.h5")
+    assert len(frames) == 20
+    assert_same(frames, full_frames(), first=20)
+
+
+def test_a_last_frame_that_was_not_finished_is_left_out(tmp_path: Path) -> None:
+    simulation = crates()
+    with RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer:
+        run(simulation, writer=writer)
+    with h5py.File(tmp_path / "run.h5", "a") as file:
+        file["frames/motion"].resize(50, axis=0)
+    frames = load_frames(tmp_path / "run.h5")
+    assert len(frames) == 50
+    assert_same(frames, full_frames(), first=50)
+
+
+def test_a_world_that_blows_up_leaves_the_frames_up_to_there(tmp_path: Path) -> None:
+    ball = {"name": "ball", "shape": {"type": "sphere", "radius": 1.0}, "velocity": [1e307, 0, 0]}
+    data = {"title": "t", "expect": "e.", "duration": 99.0, "world": {"dt": 1.0, "gravity": [0, 0, 0]}}
+    simulation = Simulation(Scene.from_dict({**data, "bodies": [ball]}))
+    with pytest.raises(SimulationError), RecordingWriter(tmp_path / "run.h5", simulation) as writer:
+        run(simulation, writer=writer)
+    frames = load_frames(tmp_path / "run.h5")
+    assert len(frames) == simulation.step_index + 1 > 1
+    assert np.isfinite(frames.positions).all()
+    assert frames.meta["outcome"].startswith("failed: step ")
+
+
+def test_any_other_error_is_written_down_too(tmp_path: Path) -> None:
+    with pytest.raises(ZeroDivisionError), RecordingWriter(tmp_path / "run.h5", crates()) as writer:
+        writer.capture()
+        _ = 1 // 0
+    frames = load_frames(tmp_path / "run.h5")
+    assert len(frames) == 1
+    assert frames.meta["outcome"].startswith("stopped by ZeroDivisionError")
+    writer.close()  # closing again does nothing
+    writer.flush()
+
+
+def test_a_writer_that_is_closed_by_hand_says_how_far_the_run_came(tmp_path: Path) -> None:
+    simulation = crates()
+    writer = RecordingWriter(tmp_path / "run.h5", simulation)
+    writer.capture()
+    writer.close()
+    assert load_frames(tmp_path / "run.h5").meta["outcome"] == "stopped early"
+
+
+# --- files that are not what they should be ---------------------------------------------------------------------------
+
+
+def test_a_path_that_cannot_be_written_is_known_before_the_run(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("not a folder")
+    (tmp_path / "notes.toml").write_text("precious")
+    for path in (tmp_path, tmp_path / "file" / "run.h5", tmp_path / "notes.toml"):
+        simulation = crates()
+        with pytest.raises(OutputError, match=r"^recording .*\.$"):
+            RecordingWriter(path, simulation)
+        assert simulation.step_index == 0
+    assert (tmp_path / "notes.toml").read_text() == "precious"
+
+
+def test_an_older_recording_is_replaced(tmp_path: Path) -> None:
+    for steps in (20, 10):
+        simulation = crates()
+        with RecordingWriter(tmp_path / "run.h5", simulation) as writer:
+            for _ in range(steps):
+                writer.capture()
+                simulation.advance()
+    assert len(load_frames(tmp_path / "run.h5")) == 10
+
+
+def test_a_recording_must_begin_with_the_simulation(tmp_path: Path) -> None:
+    simulation = crates()
+    simulation.advance(3)
+    with pytest.raises(InvalidInputError, match="must begin with the simulation, which is at step 3 already"):
+        RecordingWriter(tmp_path / "run.h5", simulation)
+    with pytest.raises(InvalidInputError, match="every must be a whole number"):
+        RecordingWriter(tmp_path / "run.h5", crates(), 0)
+    assert not (tmp_path / "run.h5").exists()
+
+
+@pytest.mark.parametrize("read", [load_frames, restore])
+def test_a_file_that_is_no_recording_is_refused_with_one_sentence(read: Any, tmp_path: Path) -> None:
+    (tmp_path / "text.h5").write_text("no recording")
+    (tmp_path / "empty.h5").write_bytes(b"")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["x"] = 3
+    for name in ("damaged", "newer", "whole"):
+        with RecordingWriter(tmp_path / f"{name}.h5", crates()) as writer:
+            writer.capture()
+    with h5py.File(tmp_path / "damaged.h5", "a") as file:
+        del file["frames/positions"], file["initial/positions"]
+    with h5py.File(tmp_path / "newer.h5", "a") as file:
+        file.attrs["format_version"] = 99
+    whole = (tmp_path / "whole.h5").read_bytes()
+    (tmp_path / "half.h5").write_bytes(whole[: len(whole) // 2])
+    expected = {
+        "none": "recording must be a file that exists",
+        "text": "is not a recording of stiction: it is no HDF5 file",
+        "empty": "is not a recording of stiction: it is no HDF5 file",
+        "other": "is not a recording of stiction, but another HDF5 file",
+        "damaged": "is damaged: ",
+        "newer": "must have format version 1, got 99",
+        "half": "cannot be opened: ",
+    }
+    for name, sentence in expected.items():
+        with pytest.raises(InvalidInputError) as caught:
+            read(tmp_path / f"{name}.h5")
+        assert sentence in str(caught.value)
+        assert f"{name}.h5" in str(caught.value)
+    with pytest.raises(InvalidInputError, match="must be a file that exists"):
+        read(tmp_path)
+    assert read(tmp_path / "whole.h5") is not None
