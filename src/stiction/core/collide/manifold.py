@@ -7,6 +7,8 @@ from stiction.core.state import BODY_A, BODY_B, FEATURE, NORMAL, POINT, SEPARATI
 from stiction.core.vec import Vec3, cross, dot, put_vec3
 
 POINTS = 4
+CLEARLY = 1.01
+"""A candidate must be better than a deeper one by this factor."""
 
 
 @jit
@@ -34,39 +36,49 @@ def emit(contacts, tags, count, a, b, point, normal, separation, feature):
 def reduce(points, n, normal):
     """Choose four of n candidate points so that the patch keeps its depth and its area; they end up in rows 0 to 3.
 
-    ``points`` is (k, 5): x, y, z, separation, feature. The deepest point, the one farthest from it, and on either side
-    of the line between them the one that spans the largest triangle. Ties go to the earlier row, so the choice is
-    stable.
+    ``points`` is (k, 5): x, y, z, separation, feature. The deepest point, the one farthest from it in the plane, and on
+    either side of the line between them the one that spans the largest triangle. A point must be better than a deeper
+    one by ``CLEARLY`` to be preferred, so that a thin sheet does not stand on the corners of its upper face.
     """
     if n <= POINTS:
         return n
-    deepest = 0
-    for i in range(1, n):
-        if points[i, 3] < points[deepest, 3] - 1e-9:
-            deepest = i
-    _swap(points, 0, deepest)
-
+    _sort_by_depth(points, n)
     origin = Vec3(points[0, 0], points[0, 1], points[0, 2])
-    farthest, best = 1, -1.0
+    farthest, best = 1, 0.0
     for i in range(1, n):
-        d = Vec3(points[i, 0], points[i, 1], points[i, 2]) - origin
-        if dot(d, d) > best + 1e-12:
+        d = _in_plane(points, i, origin, normal)
+        if dot(d, d) > best * CLEARLY:
             farthest, best = i, dot(d, d)
     _swap(points, 1, farthest)
 
-    line = Vec3(points[1, 0], points[1, 1], points[1, 2]) - origin
+    line = _in_plane(points, 1, origin, normal)
     kept = 2
     for side in (1.0, -1.0):
         widest, best = -1, 1e-12
         for i in range(kept, n):
-            d = Vec3(points[i, 0], points[i, 1], points[i, 2]) - origin
-            area = side * dot(cross(line, d), normal)
-            if area > best + 1e-12:
+            area = side * dot(cross(line, _in_plane(points, i, origin, normal)), normal)
+            if area > best * CLEARLY:
                 widest, best = i, area
         if widest >= 0:
             _swap(points, kept, widest)
             kept += 1
     return kept
+
+
+@jit
+def _in_plane(points, i, origin, normal):
+    d = Vec3(points[i, 0], points[i, 1], points[i, 2]) - origin
+    return d - normal * dot(normal, d)
+
+
+@jit
+def _sort_by_depth(points, n):
+    """Insertion sort by separation, equal ones in their order."""
+    for i in range(1, n):
+        j = i
+        while j > 0 and points[j, 3] < points[j - 1, 3]:
+            _swap(points, j, j - 1)
+            j -= 1
 
 
 @jit

@@ -9,7 +9,7 @@ from stiction.core.contact_space import contact_basis
 from stiction.core.islands import find_group, join
 from stiction.core.jit import jit
 from stiction.core.ledger import dissipation, enter, note
-from stiction.core.solve.micro import TOLERANCE, settle
+from stiction.core.solve.micro import TOLERANCE, settle, visit_limit
 from stiction.core.state import (
     ACTIVE,
     AIM,
@@ -60,7 +60,7 @@ def resolve_impacts(
             left = settings.threshold
         _remember_start(bodies, n)
         _group_impacts(bodies, n, contacts, tags, m, group)
-        limit = settings.iterations * m
+        limit = visit_limit(settings.iterations, m)
         done, residue = settle(bodies, contacts, tags, m, first, touching, tree, limit)
         visits += done
         for _ in range(100):

@@ -50,8 +50,19 @@ from stiction.core.worst import build, leaves_for, update, worst
 
 TOLERANCE = 1e-6
 """m/s: a contact whose velocity is that close to what its law demands is resolved."""
-SLIP_SPEED = 1e-5
+SLIP_SPEED = 1e-4
 """m/s: a contact that slips faster than this with mu_s lets go."""
+
+
+FEW_CONTACTS = 32
+"""Worlds with fewer contacts than this may take as many visits as if they had so many: a single crate just below the
+threshold needs some thousand, and they cost it no more than a millisecond."""
+
+
+@jit
+def visit_limit(iterations, m):
+    """How many contacts may be resolved in one stage of a step of a world of m contacts."""
+    return iterations * max(m, FEW_CONTACTS)
 
 
 @jit

@@ -5,6 +5,7 @@ from __future__ import annotations
 from stiction.core.contact_rows import arm, is_dynamic
 from stiction.core.jit import jit
 from stiction.core.ledger import note
+from stiction.core.solve.micro import visit_limit
 from stiction.core.state import (
     BODY_A,
     BODY_B,
@@ -44,7 +45,7 @@ def resolve_penetrations(bodies, n, contacts, tags, m, first, touching, tree, re
         put_vec3(bodies, i, PUSH, Vec3(0.0, 0.0, 0.0))
         put_vec3(bodies, i, PUSH_TURN, Vec3(0.0, 0.0, 0.0))
 
-    limit = iterations * m
+    limit = visit_limit(iterations, m)
     visits = 0
     while tree[1] > SLOP and visits < limit:
         c = worst(tree, leaves)

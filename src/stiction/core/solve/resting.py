@@ -7,7 +7,7 @@ from stiction.core.contact_space import contact_basis
 from stiction.core.jit import jit
 from stiction.core.ledger import enter, note
 from stiction.core.solve.literal import LITERAL_TOLERANCE, settle_literally
-from stiction.core.solve.micro import TOLERANCE, settle
+from stiction.core.solve.micro import TOLERANCE, settle, visit_limit
 from stiction.core.state import (
     ACTIVE,
     AIM,
@@ -37,7 +37,7 @@ def resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, 
         put_vec3(contacts, c, START, slip(bodies, V_START, W_START, contacts, tags, c, B))
         put_vec3(contacts, c, IMPULSE, Vec3(0.0, 0.0, 0.0))
         put_vec3(contacts, c, TWIST, Vec3(0.0, 0.0, 0.0))
-    limit = settings.iterations * m
+    limit = visit_limit(settings.iterations, m)
     if settings.literal:
         visits, left = settle_literally(bodies, contacts, tags, m, first, touching, tree, settings.threshold, limit)
         note(report, RESTING, visits, left, LITERAL_TOLERANCE)
