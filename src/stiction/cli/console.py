@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import shutil
 import sys
 from typing import Any
@@ -31,8 +32,16 @@ def say(text: str) -> None:
 
 
 def print_json(value: Any) -> None:
-    """JSON on standard output, and nothing else."""
-    print(json.dumps(value, indent=2, allow_nan=False))
+    """JSON on standard output, and nothing else. A number that is not finite, which JSON does not know, becomes null."""
+    print(json.dumps(_finite(value), indent=2, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def table(title: str, columns: list[str], *, right: tuple[str, ...] = (), caption: str | None = None) -> Table:
