@@ -32,7 +32,7 @@ def say(text: str) -> None:
 
 
 def print_json(value: Any) -> None:
-    """JSON on standard output, and nothing else. A number that is not finite, which JSON does not know, becomes null."""
+    """JSON on standard output, and nothing else; numbers that are not finite, unknown to JSON, become null."""
     print(json.dumps(_finite(value), indent=2, allow_nan=False))
 
 
