@@ -16,7 +16,7 @@ version = __version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.mathjax",
+    "sphinx-mathjax-offline",  # MathJax travels with the pages: formulas need no network
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
 ]
