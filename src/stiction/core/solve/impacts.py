@@ -9,7 +9,8 @@ from stiction.core.contact_space import contact_basis
 from stiction.core.islands import find_group, join
 from stiction.core.jit import jit
 from stiction.core.ledger import dissipation, enter, note
-from stiction.core.solve.micro import TOLERANCE, settle, visit_limit
+from stiction.core.solve.micro import TOLERANCE, settle, share_load, visit_limit
+from stiction.core.solve.penetrations import SLOP
 from stiction.core.state import (
     ACTIVE,
     AIM,
@@ -61,6 +62,7 @@ def resolve_impacts(
         _remember_start(bodies, n)
         _group_impacts(bodies, n, contacts, tags, m, group)
         limit = visit_limit(settings.iterations, m)
+        share_load(bodies, contacts, tags, m)
         done, residue = settle(bodies, contacts, tags, m, first, touching, tree, limit)
         visits += done
         for _ in range(100):
@@ -85,7 +87,7 @@ def _choose_bouncing(bodies, contacts, tags, m, settings, gravity):
         u = slip(bodies, V, W, contacts, tags, c, contact_basis(vec3(contacts, c, NORMAL)))
         pull = closing_acceleration(bodies, contacts, tags, c, gravity)
         gap = max(contacts[c, SEPARATION], 0.0)
-        if u.x > settings.threshold and gap <= settings.dt * (u.x + settings.dt * max(pull, 0.0)):
+        if u.x > settings.threshold and gap - SLOP <= settings.dt * (u.x + settings.dt * max(pull, 0.0)):
             tags[c, STATUS] = ACTIVE
             contacts[c, AIM] = -leaving_speed(u.x, restitution, 2.0 * pull * gap)
             put_vec3(contacts, c, START, u)

@@ -7,7 +7,8 @@ from stiction.core.contact_space import contact_basis
 from stiction.core.jit import jit
 from stiction.core.ledger import enter, note
 from stiction.core.solve.literal import LITERAL_TOLERANCE, settle_literally
-from stiction.core.solve.micro import TOLERANCE, settle, visit_limit
+from stiction.core.solve.micro import TOLERANCE, settle, share_load, visit_limit
+from stiction.core.solve.penetrations import SLOP
 from stiction.core.state import (
     ACTIVE,
     AIM,
@@ -28,11 +29,12 @@ from stiction.core.vec import Vec3, put_vec3, vec3
 def resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, ledger, report):
     """Resting contact: the speed that the forces of this step gave is taken away by micro-collisions.
 
-    A contact that is still open may close by its gap within the step, and no further.
+    A contact that is still open may close by its gap within the step, and no further. Gaps of rounding size count as
+    none: four corners of a face with four different gaps would ask of a rigid body what it cannot do.
     """
     for c in range(m):
         tags[c, STATUS] = ACTIVE
-        contacts[c, AIM] = max(contacts[c, SEPARATION], 0.0) / settings.dt
+        contacts[c, AIM] = max(contacts[c, SEPARATION] - SLOP, 0.0) / settings.dt
         B = contact_basis(vec3(contacts, c, NORMAL))
         put_vec3(contacts, c, START, slip(bodies, V_START, W_START, contacts, tags, c, B))
         put_vec3(contacts, c, IMPULSE, Vec3(0.0, 0.0, 0.0))
@@ -42,6 +44,7 @@ def resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, 
         visits, left = settle_literally(bodies, contacts, tags, m, first, touching, tree, settings.threshold, limit)
         note(report, RESTING, visits, left, LITERAL_TOLERANCE)
     else:
+        share_load(bodies, contacts, tags, m)
         visits, left = settle(bodies, contacts, tags, m, first, touching, tree, limit)
         note(report, RESTING, visits, left, TOLERANCE)
     enter(bodies, contacts, tags, m, ledger)
