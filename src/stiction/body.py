@@ -24,14 +24,34 @@ class Body:
     in world axes but ``inertia``. What a getter returns is a copy; use the world's arrays for many bodies at once.
     """
 
-    __slots__ = ("_world", "index", "material", "name", "shape")
+    __slots__ = ("_index", "_material", "_name", "_shape", "_world")
 
     def __init__(self, world: World, index: int, name: str, shape: Shape, material: str) -> None:
         self._world = world
-        self.index = index
-        self.name = name
-        self.shape = shape
-        self.material = material
+        self._index = index
+        self._name = name
+        self._shape = shape
+        self._material = material
+
+    @property
+    def index(self) -> int:
+        """Row of this body in the world's arrays."""
+        return self._index
+
+    @property
+    def name(self) -> str:
+        """Unique in its world."""
+        return self._name
+
+    @property
+    def shape(self) -> Shape:
+        """What the body looks like."""
+        return self._shape
+
+    @property
+    def material(self) -> str:
+        """Its name in the world's table."""
+        return self._material
 
     def __repr__(self) -> str:
         return f"<Body {self.name!r} ({self.mobility} {self.shape.kind}, {self.material})>"
@@ -101,7 +121,7 @@ class Body:
 
     @mass.setter
     def mass(self, value: float) -> None:
-        mass = checks.positive(f"mass of body {self.name!r}", value, "kg")
+        mass = checks.mass(f"mass of body {self.name!r}", value)
         self._must_be_dynamic("mass")
         self._world._set_mass(self.index, mass, self.inertia * (mass / self.mass))
 
@@ -155,15 +175,15 @@ class Body:
         f = checks.vector(f"force on body {self.name!r}", force)
         arm = self._arm(at)
         self._must_be_dynamic("force")
-        self._add("FORCE", f)
-        if arm is not None:
-            self._add("TORQUE", np.cross(arm, f))
+        with np.errstate(all="ignore"):
+            self._add(FORCE=f, TORQUE=np.zeros(3) if arm is None else np.cross(arm, f))
 
     def apply_torque(self, torque: ArrayLike) -> None:
         """Add a torque, (3,), N m, until the end of the next step."""
         t = checks.vector(f"torque on body {self.name!r}", torque)
         self._must_be_dynamic("torque")
-        self._add("TORQUE", t)
+        with np.errstate(all="ignore"):
+            self._add(TORQUE=t)
 
     def apply_impulse(self, impulse: ArrayLike, at: ArrayLike | None = None) -> None:
         """Change the velocities at once by an impulse.
@@ -175,9 +195,11 @@ class Body:
         p = checks.vector(f"impulse on body {self.name!r}", impulse)
         arm = self._arm(at)
         self._must_be_dynamic("impulse")
-        self._add("V", p / self.mass)
-        if arm is not None:
-            self._add("W", self._world._world_inverse_inertia(self.index) @ np.cross(arm, p))
+        with np.errstate(all="ignore"):
+            turning = np.zeros(3)
+            if arm is not None:
+                turning = self._world._world_inverse_inertia(self.index) @ np.cross(arm, p)
+            self._add(V=p / self.mass, W=turning)
 
     # --- inside -------------------------------------------------------------------------------------------------------
 
@@ -187,14 +209,14 @@ class Body:
     def _set(self, column: str, value: Array) -> None:
         self._world._write(self.index, column, value)
 
-    def _add(self, column: str, value: Array) -> None:
-        with np.errstate(over="ignore"):
-            total = self._get(column, len(value)) + value
-        if not np.isfinite(total).all():
-            raise InvalidInputError(
-                f"what is applied to body {self.name!r} must stay finite, got {value} on top of it."
-            )
-        self._set(column, total)
+    def _add(self, **changes: Array) -> None:
+        """Add to several columns, to all of them or, if a sum overflows, to none."""
+        totals = {column: self._get(column, len(change)) + change for column, change in changes.items()}
+        for total in totals.values():
+            if not np.isfinite(total).all():
+                raise InvalidInputError(f"what is applied to body {self.name!r} must stay finite, got {total}.")
+        for column, total in totals.items():
+            self._set(column, total)
 
     def _arm(self, at: ArrayLike | None) -> Array | None:
         return None if at is None else checks.vector("at", at) - self.center_of_mass

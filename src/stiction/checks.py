@@ -17,6 +17,9 @@ from stiction.errors import InvalidInputError
 
 Vector = NDArray[np.float64]
 
+SMALLEST_LENGTH, LARGEST_LENGTH = 1e-12, 1e12
+SMALLEST_MASS, LARGEST_MASS = 1e-40, 1e40
+
 
 def number(name: str, value: Any) -> float:
     """A finite float."""
@@ -57,7 +60,10 @@ def integer(name: str, value: Any, *, minimum: int) -> int:
 def vector(name: str, value: Any, length: int = 3) -> Vector:
     """A finite float64 array of shape ``(length,)``, always a copy."""
     try:
-        result = np.array(value, dtype=np.float64)
+        given = np.asarray(value)
+        if given.dtype.kind in "bcUS":
+            raise ValueError  # numpy would read flags and texts as numbers, and drop imaginary parts
+        result = np.array(given, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise InvalidInputError(f"{name} must be {length} finite numbers, got {value!r}.") from None
     if result.shape != (length,):
@@ -69,20 +75,38 @@ def vector(name: str, value: Any, length: int = 3) -> Vector:
 
 def unit_vector(name: str, value: Any) -> Vector:
     """A direction: a finite vector that is not zero, normalised."""
-    result = vector(name, value)
-    length = float(np.linalg.norm(result))
-    if length < 1e-12:
-        raise InvalidInputError(f"{name} must not be the zero vector, got {value!r}.")
-    return result / length
+    return _normalised(name, vector(name, value), "vector", value)
 
 
 def unit_quaternion(name: str, value: Any) -> Vector:
     """A rotation as a quaternion (w, x, y, z): finite, not zero, normalised."""
-    result = vector(name, value, 4)
-    length = float(np.linalg.norm(result))
-    if length < 1e-12:
-        raise InvalidInputError(f"{name} must not be the zero quaternion, got {value!r}.")
-    return result / length
+    return _normalised(name, vector(name, value, 4), "quaternion", value)
+
+
+def _normalised(name: str, result: Vector, what: str, value: Any) -> Vector:
+    """To length 1, by way of its largest entry, so that no square can overflow or vanish."""
+    largest = np.abs(result).max()
+    if largest < 1e-12:
+        raise InvalidInputError(f"{name} must not be the zero {what}, got {value!r}.")
+    scaled = result / largest
+    unit: Vector = scaled / np.linalg.norm(scaled)
+    return unit
+
+
+def length(name: str, value: Any) -> float:
+    """A length of a body in m: above zero, and of a size that leaves volume and inertia finite."""
+    result = positive(name, value, "m")
+    if not SMALLEST_LENGTH <= result <= LARGEST_LENGTH:
+        raise InvalidInputError(f"{name} must be {SMALLEST_LENGTH:g} to {LARGEST_LENGTH:g} m, got {value!r}.")
+    return result
+
+
+def mass(name: str, value: Any) -> float:
+    """A mass in kg: above zero, and of a size whose inverse is finite."""
+    result = positive(name, value, "kg")
+    if not SMALLEST_MASS <= result <= LARGEST_MASS:
+        raise InvalidInputError(f"{name} must be {SMALLEST_MASS:g} to {LARGEST_MASS:g} kg, got {value!r}.")
+    return result
 
 
 def one_of(name: str, value: Any, allowed: Iterable[str]) -> str:

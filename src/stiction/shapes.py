@@ -61,7 +61,7 @@ class Sphere(Shape):
     kind: ClassVar[str] = "sphere"
 
     def __init__(self, radius: float) -> None:
-        object.__setattr__(self, "radius", checks.positive("Sphere radius", radius, "m"))
+        object.__setattr__(self, "radius", checks.length("Sphere radius", radius))
 
     @cached_property
     def mass_properties(self) -> MassProperties:
@@ -86,7 +86,7 @@ class Box(Shape):
         lengths = checks.vector("Box size", size)
         if (lengths <= 0.0).any():
             raise InvalidInputError(f"Box size must be three lengths above 0 m, got {size!r}.")
-        object.__setattr__(self, "size", tuple(float(s) for s in lengths))
+        object.__setattr__(self, "size", tuple(checks.length("Box size", float(s)) for s in lengths))
 
     @cached_property
     def mass_properties(self) -> MassProperties:
@@ -109,8 +109,8 @@ class Capsule(Shape):
     kind: ClassVar[str] = "capsule"
 
     def __init__(self, radius: float, length: float) -> None:
-        object.__setattr__(self, "radius", checks.positive("Capsule radius", radius, "m"))
-        object.__setattr__(self, "length", checks.positive("Capsule length", length, "m"))
+        object.__setattr__(self, "radius", checks.length("Capsule radius", radius))
+        object.__setattr__(self, "length", checks.length("Capsule length", length))
 
     @cached_property
     def mass_properties(self) -> MassProperties:
@@ -138,8 +138,8 @@ class Cylinder(Shape):
     kind: ClassVar[str] = "cylinder"
 
     def __init__(self, radius: float, length: float) -> None:
-        object.__setattr__(self, "radius", checks.positive("Cylinder radius", radius, "m"))
-        object.__setattr__(self, "length", checks.positive("Cylinder length", length, "m"))
+        object.__setattr__(self, "radius", checks.length("Cylinder radius", radius))
+        object.__setattr__(self, "length", checks.length("Cylinder length", length))
 
     @cached_property
     def mass_properties(self) -> MassProperties:

@@ -52,6 +52,8 @@ class Store:
         for column, value in row.items():
             numbers = np.ravel(value)
             self.bodies[i, column : column + len(numbers)] = numbers
+        self.bodies[i, state.LAST : state.LAST + 7] = self.bodies[i, state.POSITION : state.POSITION + 7]
+        self.bodies[i, state.LAST + 7 : state.LAST + 13] = self.bodies[i, state.V : state.V + 6]
         self.kinds[i] = shape, mobility, material
         self.boxes += shape == state.BOX
         self.dynamic_boxes += shape == state.BOX and mobility == state.DYNAMIC

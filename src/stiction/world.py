@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import warnings
 from collections.abc import Iterator
 from typing import Any, NamedTuple
@@ -23,6 +24,8 @@ SOLVERS = ("micro", "soft", "exact")
 AVAILABLE_SOLVERS = ("micro",)
 DEFAULT_DENSITY = 1000.0
 """kg/m^3, of a body that is given neither mass nor density."""
+MOST_STEPS = 10**12
+"""Steps of one run at most; more would take years."""
 MOBILITIES = ("static", "kinematic", "dynamic")
 
 
@@ -109,8 +112,8 @@ class World:
     ) -> None:
         self._gravity = checks.vector("gravity", gravity)
         self._dt = checks.positive("dt", dt, "s")
-        self.solver = AVAILABLE_SOLVERS[0] if solver is None else checks.one_of("solver", solver, SOLVERS)
-        if self.solver not in AVAILABLE_SOLVERS:
+        self._solver = AVAILABLE_SOLVERS[0] if solver is None else checks.one_of("solver", solver, SOLVERS)
+        if self._solver not in AVAILABLE_SOLVERS:
             raise NotYetError(f"solver {solver!r} is not there yet; this version has {', '.join(AVAILABLE_SOLVERS)}.")
         if substeps is not None and checks.integer("substeps", substeps, minimum=1) != 1:
             raise NotYetError(f"substeps must be 1 with solver 'micro', got {substeps!r}; use a smaller dt.")
@@ -122,8 +125,8 @@ class World:
             raise InvalidInputError(f"micro_literal must be True or False, got {micro_literal!r}.")
         self._iterations = checks.integer("iterations", iterations, minimum=1)
         self._threshold = checks.non_negative("restitution_threshold", restitution_threshold, "m/s")
-        self.micro_literal = micro_literal
-        self.materials = MaterialTable.default() if materials is None else materials
+        self._micro_literal = micro_literal
+        self._materials = MaterialTable.default() if materials is None else materials
 
         from stiction.core import state
         from stiction.store import Store
@@ -208,7 +211,7 @@ class World:
             code, size = state.PLANE, (*shape.normal, shape.offset)
         row[state.SIZE] = np.array(size)
         row.update(self._checked_mass(shape, fixed, mass, density, inertia))
-        if material not in self.materials:
+        if not isinstance(material, str) or material not in self.materials:
             self.materials.pair(material, material)  # raises, and names the nearest one
 
         mobility = state.STATIC if static else state.KINEMATIC if kinematic else state.DYNAMIC
@@ -241,7 +244,7 @@ class World:
         if mass is not None and density is not None:
             raise InvalidInputError(f"mass and density must not both be given, got {mass!r} kg and {density!r} kg/m^3.")
         if mass is not None:
-            mass = checks.positive("mass", mass, "kg")
+            mass = checks.mass("mass", mass)
         if density is not None:
             density = checks.positive("density", density, "kg/m^3")
         if fixed:
@@ -252,7 +255,7 @@ class World:
         if mass is not None:
             density = mass / properties.volume
         density = DEFAULT_DENSITY if density is None else density
-        mass = density * properties.volume
+        mass = checks.mass("mass (density times volume)", density * properties.volume) if mass is None else mass
         tensor = properties.inertia * density if inertia is None else checked_inertia("inertia", inertia)
         return {
             state.MASS: mass,
@@ -275,7 +278,7 @@ class World:
 
     def __getitem__(self, name: str) -> Body:
         """The body of that name."""
-        if name not in self._by_name:
+        if not isinstance(name, str) or name not in self._by_name:
             raise InvalidInputError(f"no body is called {name!r}{checks.nearest(name, self._by_name)}.")
         return self._by_name[name]
 
@@ -315,6 +318,21 @@ class World:
     def gravity(self, value: ArrayLike) -> None:
         self._gravity = checks.vector("gravity", value)
         self._settings = self._make_settings()
+
+    @property
+    def solver(self) -> str:
+        """Name of the solver."""
+        return self._solver
+
+    @property
+    def micro_literal(self) -> bool:
+        """Whether friction is that of the slides word for word."""
+        return self._micro_literal
+
+    @property
+    def materials(self) -> MaterialTable:
+        """The table of material pairs; changes of it take effect with the next step."""
+        return self._materials
 
     @property
     def dt(self) -> float:
@@ -358,7 +376,10 @@ class World:
 
     def run(self, seconds: float) -> None:
         """Take as many steps as come nearest to that time, at least one."""
-        self.step(max(1, round(checks.positive("seconds", seconds, "s") / self._dt)))
+        wanted = checks.positive("seconds", seconds, "s") / self._dt
+        if wanted > MOST_STEPS:
+            raise InvalidInputError(f"seconds must be {MOST_STEPS * self._dt:g} s or less, got {seconds!r}.")
+        self.step(max(1, round(wanted)))
 
     # --- what happened ------------------------------------------------------------------------------------------------
 
@@ -391,7 +412,7 @@ class World:
         state, ledger = self._state, self._store.ledger
         kinetic, potential = self._store.energy(self._gravity)
         initial, edits = float(ledger[state.INITIAL]), float(ledger[state.EDITS])
-        if self._store.steps == 0:
+        if math.isnan(initial):
             initial = kinetic + potential
         else:
             edits += kinetic + potential - float(ledger[state.MECHANICAL])

@@ -16,6 +16,7 @@ import pytest
 from numpy.typing import NDArray
 
 from stiction import IterationLimitWarning, Motion
+from stiction.core.solve.micro import TOLERANCE
 from stiction.record.frames import Frames
 from stiction.record.hdf5 import RecordingWriter, load_frames, restore
 from stiction.record.recorder import Recorder
@@ -160,7 +161,7 @@ def test_push_and_release_keeps_static_and_dynamic_friction_apart() -> None:
     dynamic = 0.4 * mass * G
 
     resting = of["resting, 440 N"]
-    assert traveled("push-and-release", "resting, 440 N").max() < 1e-6
+    assert traveled("push-and-release", "resting, 440 N").max() < TOLERANCE * frames.times[-1]
     assert set(frames.motion[1:, resting]) == {Motion.STICKING}
 
     for name, v0, force in (("moving, 440 N", 2.0, 440.0), ("resting, 540 N", 0.0, 540.0)):
@@ -249,7 +250,7 @@ def test_the_dominoes_fall_one_after_the_other() -> None:
     gaps = np.diff(falls)
     assert (gaps > 0).all()
     # once the wave has formed it travels at a constant speed
-    np.testing.assert_allclose(gaps[6:-3], 0.1, atol=0.015)
+    np.testing.assert_allclose(gaps[6:-3], 0.0775, atol=0.005)
     assert tilt[-1, -1] > 89.0
     assert (tilt[-1, :-1] > 60).all() and (tilt[-1, :-1] < 75).all()
     assert np.abs(frames.velocities[-1]).max() < 0.01, "and then all is quiet"

@@ -192,20 +192,37 @@ def place(bodies, i, dx, angle):
 
 @jit
 def first_not_finite(bodies, n):
-    """Index of the first body whose state is not finite, or -1."""
+    """Index of the first body whose state is not finite, or so large that its energy is not, or -1."""
     for i in range(n):
-        total = 0.0
-        for start, width in ((POSITION, 7), (V, 6)):
-            for k in range(start, start + width):
-                total += bodies[i, k]
-        if not math.isfinite(total):
+        if not math.isfinite(size_of_state(bodies, i)):
             return i
     return -1
 
 
 @jit
-def keep_state(bodies, n, ledger, last_ledger):
-    """Remember position, orientation, velocities and friction work of every body, and the ledger."""
+def size_of_state(bodies, i):
+    """Sum of the squares of position, orientation and velocities of a body."""
+    total = 0.0
+    for start, width in ((POSITION, 7), (V, 6)):
+        for k in range(start, start + width):
+            total += bodies[i, k] * bodies[i, k]
+    return total
+
+
+@jit
+def is_number(bodies, i):
+    """Whether nothing in the state of a body is nan or infinite."""
+    for start, width in ((POSITION, 7), (V, 6)):
+        for k in range(start, start + width):
+            if not math.isfinite(bodies[i, k]):
+                return False
+    return True
+
+
+@jit
+def keep_state(bodies, n, ledger, last_ledger, report, last_report):
+    """Remember position, orientation, velocities and friction work of every body, the ledger and the report."""
+    last_report[:] = report
     for k in range(LEDGER_WIDTH):
         last_ledger[k] = ledger[k]
     for i in range(n):
@@ -217,13 +234,20 @@ def keep_state(bodies, n, ledger, last_ledger):
 
 
 @jit
-def restore_state(bodies, n, ledger, last_ledger):
+def restore_body(bodies, i):
+    """Put back position, orientation and velocities of one body."""
+    for k in range(7):
+        bodies[i, POSITION + k] = bodies[i, LAST + k]
+    for k in range(6):
+        bodies[i, V + k] = bodies[i, LAST + 7 + k]
+
+
+@jit
+def restore_state(bodies, n, ledger, last_ledger, report, last_report):
     """Put back what keep_state remembered."""
+    report[:] = last_report
     for k in range(LEDGER_WIDTH):
         ledger[k] = last_ledger[k]
     for i in range(n):
-        for k in range(7):
-            bodies[i, POSITION + k] = bodies[i, LAST + k]
-        for k in range(6):
-            bodies[i, V + k] = bodies[i, LAST + 7 + k]
+        restore_body(bodies, i)
         bodies[i, FRICTION_WORK] = bodies[i, LAST + 13]

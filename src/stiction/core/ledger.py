@@ -99,14 +99,17 @@ def note_edits(bodies, n, gravity, ledger):
     if math.isnan(ledger[INITIAL]):
         ledger[INITIAL] = kinetic + potential
     else:
-        ledger[EDITS] += kinetic + potential - ledger[MECHANICAL]
+        change = kinetic + potential - ledger[MECHANICAL]
+        if math.isfinite(change):
+            ledger[EDITS] += change
 
 
 @jit
 def close_ledger(bodies, n, gravity, ledger):
     """Remember the mechanical energy with which a run of steps ends."""
     kinetic, potential = total_energy(bodies, n, gravity)
-    ledger[MECHANICAL] = kinetic + potential
+    if math.isfinite(kinetic + potential):
+        ledger[MECHANICAL] = kinetic + potential
 
 
 @jit

@@ -98,6 +98,7 @@ class Lists(NamedTuple):
     group: np.ndarray  # (n,) int64 union-find
     gain: np.ndarray  # (n, 2) energy change of a group, and its scale
     ledger: np.ndarray  # (LEDGER_WIDTH,) float64 the ledger at the last finite state
+    report: np.ndarray  # (3, REPORT_WIDTH) float64 the report then
     points: np.ndarray  # (16, 5) candidates of one manifold: point, separation, feature
 
 
@@ -148,5 +149,6 @@ def make_lists(n: int, m: int, p: int) -> Lists:
         group=np.zeros(n, np.int64),
         gain=np.zeros((n, 2)),
         ledger=np.zeros(LEDGER_WIDTH),
+        report=np.zeros((3, REPORT_WIDTH)),
         points=np.zeros((16, 5)),
     )

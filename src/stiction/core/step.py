@@ -9,9 +9,11 @@ from stiction.core.integrate import (
     apply_forces,
     choose_mean,
     first_not_finite,
+    is_number,
     keep_state,
     move,
     push_out,
+    restore_body,
     restore_state,
 )
 from stiction.core.jit import entry
@@ -34,11 +36,17 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
     g, dt = length(gravity), settings.dt
-    order, pairs, first, touching, tree, group, gain, last_ledger, points = lists
+    order, pairs, first, touching, tree, group, gain, last_ledger, last_report, points = lists
     m = 0
+    broken = first_not_finite(bodies, n)
+    if broken >= 0:
+        for i in range(n):
+            if not is_number(bodies, i):
+                restore_body(bodies, i)
+        return BLOWN_UP, 0, broken, m
     note_edits(bodies, n, gravity, ledger)
     for done in range(steps):
-        keep_state(bodies, n, ledger, last_ledger)
+        keep_state(bodies, n, ledger, last_ledger, report, last_report)
 
         update_bounds(bodies, kinds, n, g, dt)
         meeting = find_pairs(bodies, kinds, n, order, pairs)
@@ -68,9 +76,10 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
 
         bad = first_not_finite(bodies, n)
         if bad >= 0:
-            restore_state(bodies, n, ledger, last_ledger)
+            restore_state(bodies, n, ledger, last_ledger, report, last_report)
             close_ledger(bodies, n, gravity, ledger)
             return BLOWN_UP, done, bad, m
+    keep_state(bodies, n, ledger, last_ledger, report, last_report)
     close_ledger(bodies, n, gravity, ledger)
     return DONE, steps, 0, m
 

@@ -38,7 +38,7 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
     RbT = transpose(Rb)
     d = pb - pa
 
-    axis, best, normal = -1, -math.inf, d
+    face, best_face, face_normal = -1, -math.inf, d
     slack = FACE_PREFERENCE * min(min(ha.x, min(ha.y, ha.z)), min(hb.x, min(hb.y, hb.z)))
     for k in range(6):
         e = column(Ra, k) if k < 3 else column(Rb, k - 3)
@@ -46,8 +46,9 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
         separation = abs(s) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
         if separation > margin:
             return count
-        if separation > best + slack:
-            axis, best, normal = k, separation, e if s > 0.0 else -e
+        if separation > best_face + slack:
+            face, best_face, face_normal = k, separation, e if s > 0.0 else -e
+    edge, best_edge, edge_normal = -1, -math.inf, d
     for i in range(3):
         for j in range(3):
             e = cross(column(Ra, i), column(Rb, j))
@@ -58,21 +59,23 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
                 separation = abs(s) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
                 if separation > margin:
                     return count
-                if separation > best + slack:
-                    axis, best, normal = 6 + 3 * i + j, separation, e if s > 0.0 else -e
+                if separation > best_edge:
+                    edge, best_edge, edge_normal = 6 + 3 * i + j, separation, e if s > 0.0 else -e
 
-    if axis >= 6:
-        return _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, best, axis)
-    if axis < 3:
-        found = _clip(pa, Ra, ha, axis, normal, pb, Rb, hb, margin, points, axis)
-        flip = 1.0
-    else:
-        found = _clip(pb, Rb, hb, axis - 3, -normal, pa, Ra, ha, margin, points, axis)
-        flip = -1.0
-    found = reduce(points, found, normal * flip)
+    found = 0
+    if best_edge <= best_face + slack:
+        if face < 3:
+            found = _clip(pa, Ra, ha, face, face_normal, pb, Rb, hb, margin, points, face)
+            found = reduce(points, found, face_normal)
+        else:
+            found = _clip(pb, Rb, hb, face - 3, -face_normal, pa, Ra, ha, margin, points, face)
+            found = reduce(points, found, -face_normal)
+    if found == 0 and edge >= 0 and best_edge >= best_face - slack:
+        # the edges are clearly nearer, or no corner of the one box lies over the face of the other
+        return _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge)
     for i in range(found):
         p = Vec3(points[i, 0], points[i, 1], points[i, 2])
-        count = emit(contacts, tags, count, a, b, p, normal, points[i, 3], int(points[i, 4]))
+        count = emit(contacts, tags, count, a, b, p, face_normal, points[i, 3], int(points[i, 4]))
     return count
 
 
@@ -93,6 +96,9 @@ def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, sepa
     scale = 1.0 / (1.0 - uv * uv)
     s = (dot(w, u) - uv * dot(w, v)) * scale
     t = (uv * dot(w, u) - dot(w, v)) * scale
+    # the lines may pass each other beyond an end of an edge
+    s = min(max(s, -_get(ha, i)), _get(ha, i))
+    t = min(max(t, -_get(hb, j)), _get(hb, j))
     point = (qa + u * s + qb + v * t) * 0.5
     return emit(contacts, tags, count, a, b, point, normal, separation, axis << 8)
 
