@@ -73,7 +73,7 @@ TABLE: dict[str, list[Row]] = {
         Row("st.World(gravity=(0, 0, nan))", "gravity must be 3 finite numbers, got (0, 0, nan)."),
         Row("st.World(dt=0)", "dt must be above 0 s, got 0."),
         Row("st.World(dt='fast')", "dt must be a finite number, got 'fast'."),
-        Row("st.World(dt=-1 / 60)", says(r"^dt must be above 0 s, got -0\.01666.*\.$")),
+        Row("st.World(dt=-0.01)", "dt must be above 0 s, got -0.01."),
         Row(
             "st.World(solver='sofd')",
             "solver must be one of micro, soft, exact, got 'sofd' (did you mean 'soft'?).",
@@ -143,20 +143,32 @@ TABLE: dict[str, list[Row]] = {
             "world.add(st.Sphere(1), material='woood')",
             "material must be one of the 10 in the table, got 'woood' (did you mean 'wood'?).",
         ),
-        Row("world.add(st.Sphere(1), material='unobtainium')", says(r"^material must be one of .* got 'unobtainium'")),
-        Row("world.add(st.Sphere(1), material=None)", says(r"^material name must be .*, got None\.$")),
+        Row(
+            "world.add(st.Sphere(1), material='unobtainium')",
+            "material must be one of the 10 in the table, got 'unobtainium'.",
+        ),
+        Row(
+            "world.add(st.Sphere(1), material=None)",
+            "material name must be a non-empty text without blanks around it, got None.",
+        ),
         Row("world.add(st.Sphere(1), material=['wood'])", says(r"^material .*, got \['wood'\]\.$")),
         Row("world.add(st.Sphere(1), name='crate')", "name must be unique in a world, got 'crate' twice."),
         Row("world.add(st.Sphere(1), name='')", "name must be a text that is not empty, got ''."),
         Row("world.add(st.Sphere(1), name=7)", "name must be a text that is not empty, got 7."),
         # numbers that are finite, and whose volume, mass or length is not
-        Row("world.add(st.Sphere(1e200))", says(r"(?i)radius|mass|volume")),
-        Row("world.add(st.Sphere(1e-200))", says(r"(?i)radius|mass|volume")),
-        Row("world.add(st.Box((1e-120, 1e-120, 1e-120)))", says(r"(?i)size|mass|volume|inertia")),
-        Row("world.add(st.Sphere(1), density=1e308)", says(r"density|mass")),
-        Row("world.add(st.Sphere(1), mass=1e-320)", says(r"mass")),
-        Row("world.add(st.Sphere(1), position=('1', '2', '3'))", says(r"^position must be 3 finite numbers")),
-        Row("world.add(st.Sphere(1), position=(True, False, True))", says(r"^position must be 3 finite numbers")),
+        Row("world.add(st.Sphere(1e200))", says(r"^Sphere radius must be .* m, got 1e\+200\.$")),
+        Row("world.add(st.Sphere(1e-200))", says(r"^Sphere radius must be .* m, got 1e-200\.$")),
+        Row("world.add(st.Box((1e-120, 1e-120, 1e-120)))", says(r"^Box size must be .* m, got .*1e-120")),
+        Row("world.add(st.Sphere(1), density=1e308)", says(r"^(density|mass).* must be ")),
+        Row("world.add(st.Sphere(1), mass=1e-320)", says(r"^mass must be .* kg, got 1e-320\.$")),
+        Row(
+            "world.add(st.Sphere(1), position=('1', '2', '3'))",
+            "position must be 3 finite numbers, got ('1', '2', '3').",
+        ),
+        Row(
+            "world.add(st.Sphere(1), position=(True, False, True))",
+            "position must be 3 finite numbers, got (True, False, True).",
+        ),
         Row("world.add(st.Sphere(1), position=np.array([1j, 0, 0]))", says(r"^position must be 3 finite numbers")),
     ],
     "Looking up": [
@@ -176,7 +188,7 @@ TABLE: dict[str, list[Row]] = {
         Row("world.run(0)", "seconds must be above 0 s, got 0."),
         Row("world.run(nan)", "seconds must be a finite number, got nan."),
         Row("world.run('long')", "seconds must be a finite number, got 'long'."),
-        Row("world.run(1e308)", says(r"^seconds must .*1e\+308")),
+        Row("world.run(1e308)", says(r"^seconds must be .* s or less, got 1e\+308\.$")),
         Row("world.gravity = 'down'", "gravity must be 3 finite numbers, got 'down'."),
         Row("world.gravity = (0, inf, 0)", "gravity must be 3 finite numbers, got (0, inf, 0)."),
     ],
@@ -250,7 +262,7 @@ TABLE: dict[str, list[Row]] = {
         ),
         Row(
             "world.materials.pair('wood', 'rubbr')",
-            says(r"^material must be .*, got 'rubbr' \(did you mean 'rubber'\?\)\.$"),
+            "material must be one of the 10 in the table, got 'rubbr' (did you mean 'rubber'?).",
         ),
     ],
     "Not there yet": [
