@@ -12,7 +12,7 @@ import typer
 from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
 from stiction import outputs
-from stiction.cli.console import err, out, print_json, say, table
+from stiction.cli.console import complain, err, out, print_json, say, table
 
 if TYPE_CHECKING:
     from stiction.record.frames import Frames
@@ -59,8 +59,13 @@ def run(
     recorder = Recorder(world, simulation.scene.title, every=every) if html or plot else None
 
     began = time.perf_counter()
-    with _writer(record, simulation, every) as writer, _progress(simulation.scene.title, json) as on_progress:
-        run_simulation(simulation, recorder=recorder, writer=writer, on_progress=on_progress)
+    try:
+        with _writer(record, simulation, every) as writer, _progress(simulation.scene.title, json) as on_progress:
+            run_simulation(simulation, recorder=recorder, writer=writer, on_progress=on_progress)
+    except KeyboardInterrupt:
+        kept = f"; what was recorded until then is in {record}" if record else ""
+        complain(f"interrupted at {world.time:.2f} s of {simulation.total_steps * world.dt:.2f} s{kept}.")
+        raise typer.Exit(130) from None
     wall = time.perf_counter() - began
 
     rows = summary(simulation, start)
