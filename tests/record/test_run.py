@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stiction import InvalidInputError, SimulationError
+from stiction.core.solve.micro import TOLERANCE
 from stiction.record.recorder import Recorder
 from stiction.record.run import run, summary
 from stiction.scene import Scene, Simulation, load
@@ -64,7 +65,7 @@ def test_frames_come_every_so_many_steps_and_at_the_end_without_changing_the_run
 
 
 def test_what_goes_wrong_is_raised_after_the_frames_up_to_there_were_kept() -> None:
-    ball = {"name": "ball", "shape": {"type": "sphere", "radius": 1.0}, "velocity": [1e307, 0, 0]}
+    ball = {"name": "ball", "shape": {"type": "sphere", "radius": 1.0}, "velocity": [1e153, 0, 0]}
     data = {"title": "t", "expect": "e.", "duration": 99.0, "world": {"dt": 1.0, "gravity": [0, 0, 0]}}
     simulation = Simulation(Scene.from_dict({**data, "bodies": [ball]}))
     recorder = Recorder(simulation.world, "t")
@@ -79,7 +80,7 @@ def test_the_table_says_what_became_of_each_body() -> None:
     assert list(rows) == ["resting, 440 N", "moving, 440 N", "resting, 540 N"], "the static floor is left out"
     held, moving = rows["resting, 440 N"], rows["moving, 440 N"]
     assert (held.shape, held.material, held.motion) == ("Box 0.8 x 0.8 x 0.6 m", "wood", "sticking")
-    assert held.displacement < 1e-6
+    assert held.displacement < TOLERANCE * simulation.world.time
     assert moving.speed < 1e-5
     x = simulation.world["moving, 440 N"].position[0]
     np.testing.assert_allclose(moving.displacement, x, rtol=1e-9)
