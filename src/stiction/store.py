@@ -85,10 +85,11 @@ class Store:
 
     def _kernel(self, steps: int, settings: state.Settings, table: Array) -> tuple[int, int, int, int]:
         boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
+        extras = 1 if settings.literal or table[:, :, state.RESTITUTION].any() else None
         announce_compilation()
         result: tuple[int, int, int, int] = kernels.step(
             steps, self.bodies, self.kinds, self.n, self.contacts, self.tags, self.lists, table, settings,
-            self.ledger, self.report, boxes_meet,
+            self.ledger, self.report, boxes_meet, extras,
         )  # fmt: skip
         return result
 

@@ -220,9 +220,17 @@ def is_number(bodies, i):
 
 
 @jit
+def copy_rows(source, target):
+    """Entry by entry: an assignment of whole arrays takes Numba four seconds more to compile."""
+    for i in range(source.shape[0]):
+        for k in range(source.shape[1]):
+            target[i, k] = source[i, k]
+
+
+@jit
 def keep_state(bodies, n, ledger, last_ledger, report, last_report):
     """Remember position, orientation, velocities and friction work of every body, the ledger and the report."""
-    last_report[:] = report
+    copy_rows(report, last_report)
     for k in range(LEDGER_WIDTH):
         last_ledger[k] = ledger[k]
     for i in range(n):
@@ -245,7 +253,7 @@ def restore_body(bodies, i):
 @jit
 def restore_state(bodies, n, ledger, last_ledger, report, last_report):
     """Put back what keep_state remembered."""
-    report[:] = last_report
+    copy_rows(last_report, report)
     for k in range(LEDGER_WIDTH):
         ledger[k] = last_ledger[k]
     for i in range(n):

@@ -28,8 +28,11 @@ DONE, MORE_PAIRS, MORE_CONTACTS, BLOWN_UP = 0, 1, 2, 3
 
 
 @entry
-def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger, report, boxes_meet):
+def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger, report, boxes_meet, extras):
     """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason, contacts).
+
+    ``boxes_meet`` and ``extras`` are None in worlds where no two boxes can meet, and where nothing bounces and friction
+    is not literal: those branches are then never compiled.
 
     When there is no room for a step's pairs or contacts it returns before that step has changed anything, with the room
     that is needed; when a body's state is no longer finite, with that body, all bodies back at their last finite state.
@@ -59,18 +62,21 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
             return MORE_CONTACTS, done, found, 0
         m = found
 
-        prepare_bodies(bodies, n)
-        prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n)
-        if resolve_penetrations(bodies, n, contacts, tags, m, first, touching, tree, report, settings.iterations):
-            push_out(bodies, n, gravity, ledger)
+        # twice where penetrations had to be pushed out: a push moves and turns bodies
+        for pushed in (False, True):
             prepare_bodies(bodies, n)
             prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n)
-        if not settings.literal:
+            if pushed or not resolve_penetrations(
+                bodies, n, contacts, tags, m, first, touching, tree, report, settings.iterations
+            ):
+                break
+            push_out(bodies, n, gravity, ledger)
+        if extras is not None:
             resolve_impacts(
                 bodies, n, contacts, tags, m, first, touching, tree, group, gain, settings, ledger, report, gravity
             )
         apply_forces(bodies, n, gravity, dt)
-        resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, ledger, report)
+        resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, ledger, report, extras)
         choose_mean(bodies, n, contacts, tags, m, dt)
         move(bodies, kinds, n, gravity, dt, ledger)
 

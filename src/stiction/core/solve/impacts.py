@@ -40,6 +40,9 @@ IMPACT_WAVES = 64
 RESTITUTION_CUT = 0.9
 """Factor by which restitution is lowered in a group of impacts that would create energy, until it does not."""
 
+MOST_CUTS = 100
+"""Times that may be done; after 66 of them no restitution is left."""
+
 
 @jit
 def resolve_impacts(
@@ -54,7 +57,7 @@ def resolve_impacts(
     """
     visits = 0
     left = 0.0
-    for wave in range(IMPACT_WAVES):
+    for wave in range(0 if settings.literal else IMPACT_WAVES):
         if not _choose_bouncing(bodies, contacts, tags, m, settings, gravity):
             break
         if wave == IMPACT_WAVES - 1:
@@ -63,13 +66,12 @@ def resolve_impacts(
         _group_impacts(bodies, n, contacts, tags, m, group)
         limit = visit_limit(settings.iterations, m)
         share_load(bodies, contacts, tags, m)
-        done, residue = settle(bodies, contacts, tags, m, first, touching, tree, limit)
-        visits += done
-        for _ in range(100):
-            if not _lower_restitution(bodies, n, contacts, tags, m, group, gain):
-                break
+        residue = 0.0
+        for _ in range(MOST_CUTS):
             done, residue = settle(bodies, contacts, tags, m, first, touching, tree, limit)
             visits += done
+            if not _lower_restitution(bodies, n, contacts, tags, m, group, gain):
+                break
         left = max(left, residue)
         enter(bodies, contacts, tags, m, ledger)
     note(report, IMPACT, visits, left, TOLERANCE)

@@ -97,12 +97,13 @@ def settle(bodies, contacts, tags, m, first, touching, tree, limit):
 
     visits = 0
     while visits < limit:
-        if tree[1] <= TOLERANCE:
-            if not let_go(bodies, contacts, tags, m, tree, leaves, SLIP_SPEED):
+        # half way to the limit something will not settle: what slides beyond doubt must not be held by mu_s for that
+        settled = tree[1] <= TOLERANCE
+        if settled or visits == limit // 2:
+            speed = SLIP_SPEED if settled else max(SLIP_SPEED, BEYOND_DOUBT * tree[1])
+            more = let_go(bodies, contacts, tags, m, tree, leaves, speed)
+            if settled and not more:
                 break
-        elif visits == limit // 2:
-            # something will not settle: what slides beyond doubt must not be held by mu_s for that
-            let_go(bodies, contacts, tags, m, tree, leaves, max(SLIP_SPEED, BEYOND_DOUBT * tree[1]))
         c = worst(tree, leaves)
         resolve(bodies, contacts, tags, c)
         visits += 1

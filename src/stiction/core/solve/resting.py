@@ -26,7 +26,7 @@ from stiction.core.vec import Vec3, put_vec3, vec3
 
 
 @jit
-def resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, ledger, report):
+def resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, ledger, report, extras):
     """Resting contact: the speed that the forces of this step gave is taken away by micro-collisions.
 
     A contact that is still open may close by its gap within the step, and no further. Gaps of rounding size count as
@@ -40,7 +40,7 @@ def resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, 
         put_vec3(contacts, c, IMPULSE, Vec3(0.0, 0.0, 0.0))
         put_vec3(contacts, c, TWIST, Vec3(0.0, 0.0, 0.0))
     limit = visit_limit(settings.iterations, m)
-    if settings.literal:
+    if extras is not None and settings.literal:
         visits, left = settle_literally(bodies, contacts, tags, m, first, touching, tree, settings.threshold, limit)
         note(report, RESTING, visits, left, LITERAL_TOLERANCE)
     else:
