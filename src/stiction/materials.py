@@ -368,7 +368,7 @@ class MaterialTable:
             return NotImplemented
         return self._materials == other._materials and self._pairs == other._pairs
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]  # it can change, so it must not be a key
 
     def __repr__(self) -> str:
         return f"<MaterialTable: {len(self._materials)} materials, {len(self._pairs)} pairs>"

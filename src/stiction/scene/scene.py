@@ -70,7 +70,7 @@ class Scene:
         """Same contents; the name does not matter."""
         return self.table == other.table if isinstance(other, Scene) else NotImplemented
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]  # it can change, so it must not be a key
 
     def __repr__(self) -> str:
         return f"<Scene {self.name!r}: {self.title}>"

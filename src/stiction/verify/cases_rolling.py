@@ -28,7 +28,7 @@ K = 0.4
 def _ball(world: st.World, radius: float, **state: object) -> st.Body:
     """A ball on the level floor at the origin."""
     world.add(st.Plane(), static=True)
-    return world.add(st.Sphere(radius), position=(0, 0, radius), **state)  # type: ignore[arg-type]
+    return world.add(st.Sphere(radius), position=(0, 0, radius), **state)  # type: ignore[arg-type]  # velocities by name
 
 
 class SlideToRoll(Case):
