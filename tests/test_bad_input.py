@@ -273,11 +273,6 @@ TABLE: dict[str, list[Row]] = {
             "precision 'single' is not there yet; this version has 'double'.",
             NotYetError,
         ),
-        Row(
-            "world.add(st.Capsule(0.5, 1))",
-            "contact of Capsule is not there yet; Sphere, Box and Plane collide.",
-            NotYetError,
-        ),
     ],
 }
 """What is asked for, under headings, and what is said."""

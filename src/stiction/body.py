@@ -160,8 +160,11 @@ class Body:
 
     @property
     def awake(self) -> bool:
-        """Whether the body takes part in the simulation. ``micro`` lets no body sleep."""
-        return self.mobility != "static"
+        """Whether the body takes part in the simulation.
+
+        Static bodies never do; ``soft`` leaves islands of bodies alone that are truly at rest; ``micro`` lets none sleep.
+        """
+        return self.mobility != "static" and not self._world._is_asleep(self.index)
 
     # --- forces -------------------------------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stiction.core import jit, state
 from stiction.core import step as kernels
+from stiction.hulls import HullTable
 
 Array = NDArray[np.float64]
 
@@ -43,6 +44,8 @@ class Store:
         self.report = np.zeros((3, state.REPORT_WIDTH))
         self.boxes = 0
         self.dynamic_boxes = 0
+        self.polytopes = 0
+        self.hulls = HullTable()
 
     def add(self, row: dict[int, Any], shape: int, mobility: int, material: int) -> int:
         """Append a body; ``row`` maps a column to the numbers that start there. Returns its index."""
@@ -54,15 +57,29 @@ class Store:
             self.bodies[i, column : column + len(numbers)] = numbers
         self.bodies[i, state.LAST : state.LAST + 7] = self.bodies[i, state.POSITION : state.POSITION + 7]
         self.bodies[i, state.LAST + 7 : state.LAST + 13] = self.bodies[i, state.V : state.V + 6]
-        self.kinds[i] = shape, mobility, material
+        self.kinds[i, :3] = shape, mobility, material
+        self.kinds[i, state.LAYER], self.kinds[i, state.MASK] = 1, -1
+        size = self.bodies[i, state.SIZE : state.SIZE + 3]
+        reach = {state.SPHERE: size[0], state.PLANE: 0.0}.get(shape, math.sqrt(float(size @ size)))
+        self.bodies[i, state.REACH] = reach
         self.boxes += shape == state.BOX
         self.dynamic_boxes += shape == state.BOX and mobility == state.DYNAMIC
+        self.polytopes += shape in {state.CAPSULE, state.CYLINDER, state.HULL}
         self.n += 1
         return i
 
     def column(self, start: int, width: int) -> Array:
         """A view of the same numbers of all bodies, (n, width), valid until a body is added."""
         return self.bodies[: self.n, start : start + width]
+
+    def edited(self, index: int) -> None:
+        """Body ``index`` was changed from outside."""
+
+    def watch(self) -> None:
+        """Views of the state have been handed out."""
+
+    def collect_contacts(self) -> None:
+        """Make sure that the rows of contact points are those of the last step."""
 
     def step(self, steps: int, settings: state.Settings, table: Array) -> StepFailure | None:
         """Take steps; growing where room is short. Returns the failure that stopped them, or None."""
@@ -85,11 +102,12 @@ class Store:
 
     def _kernel(self, steps: int, settings: state.Settings, table: Array) -> tuple[int, int, int, int]:
         boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
+        hulls = self.hulls.arrays if self.polytopes else None
         extras = 1 if settings.literal or table[:, :, state.RESTITUTION].any() else None
         announce_compilation()
         result: tuple[int, int, int, int] = kernels.step(
             steps, self.bodies, self.kinds, self.n, self.contacts, self.tags, self.lists, table, settings,
-            self.ledger, self.report, boxes_meet, extras,
+            self.ledger, self.report, boxes_meet, extras, hulls,
         )  # fmt: skip
         return result
 

@@ -16,12 +16,14 @@ from stiction.body import Body, checked_inertia
 from stiction.contacts import CONTACT_DTYPE
 from stiction.errors import InvalidInputError, IterationLimitWarning, NotYetError, SimulationError
 from stiction.materials import MaterialTable
-from stiction.shapes import Box, Plane, Shape, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
 
 Array = NDArray[np.float64]
 
 SOLVERS = ("micro", "soft", "exact")
-AVAILABLE_SOLVERS = ("micro",)
+AVAILABLE_SOLVERS = ("soft", "micro")
+SUBSTEPS = 8
+"""Of the soft solver."""
 DEFAULT_DENSITY = 1000.0
 """kg/m^3, of a body that is given neither mass nor density."""
 MOST_STEPS = 10**12
@@ -84,13 +86,17 @@ class World:
     Args:
         gravity: (3,), m/s^2.
         dt: time step, s.
-        solver: ``"micro"``, the lecture's; ``"soft"`` and ``"exact"`` are not there yet.
-        substeps: parts of a step; ``micro`` has one.
-        iterations: how often a contact may be resolved in a stage of a step, on average, before the limit is reported.
-        precision: ``"double"``.
+        solver: ``"soft"``, the default: fast, with memory of contacts from step to step; ``"micro"``, the lecture's;
+            ``"exact"`` is not there yet.
+        substeps: parts of a step: 8 in ``soft``; ``micro`` has one.
+        iterations: how often ``micro`` may resolve a contact in a stage of a step, on average, before the limit is
+            reported.
+        precision: of contacts in ``soft``: ``"single"``, the default (positions are in double precision always), or
+            ``"double"``; ``micro`` has ``"double"``.
         materials: the table of pairs; :meth:`MaterialTable.default` if left out. The table is used, not copied.
         micro_literal: use the slides' friction word for word instead of Coulomb's law, to see the difference.
         restitution_threshold: closing speeds below it are resting contact and do not bounce, m/s.
+        sleeping: whether ``soft`` leaves islands of bodies alone while they are truly at rest.
 
     Raises:
         InvalidInputError: a value is not allowed.
@@ -104,25 +110,35 @@ class World:
         solver: str | None = None,
         substeps: int | None = None,
         iterations: int = 100,
-        precision: str = "double",
+        precision: str | None = None,
         materials: MaterialTable | None = None,
         *,
         micro_literal: bool = False,
         restitution_threshold: float = 0.25,
+        sleeping: bool = True,
     ) -> None:
         self._gravity = checks.vector("gravity", gravity)
         self._dt = checks.positive("dt", dt, "s")
         self._solver = AVAILABLE_SOLVERS[0] if solver is None else checks.one_of("solver", solver, SOLVERS)
         if self._solver not in AVAILABLE_SOLVERS:
             raise NotYetError(f"solver {solver!r} is not there yet; this version has {', '.join(AVAILABLE_SOLVERS)}.")
-        if substeps is not None and checks.integer("substeps", substeps, minimum=1) != 1:
+        soft = self._solver == "soft"
+        self._substeps = (SUBSTEPS if soft else 1) if substeps is None else checks.integer("substeps", substeps, minimum=1)
+        if not soft and self._substeps != 1:
             raise NotYetError(f"substeps must be 1 with solver 'micro', got {substeps!r}; use a smaller dt.")
-        if checks.one_of("precision", precision, ("double", "single")) != "double":
-            raise NotYetError("precision 'single' is not there yet; this version has 'double'.")
+        default = "single" if soft else "double"
+        precision = default if precision is None else checks.one_of("precision", precision, ("double", "single"))
+        if not soft and precision != "double":
+            raise NotYetError("precision 'single' is not there yet with solver 'micro'; it has 'double'.")
         if materials is not None and not isinstance(materials, MaterialTable):
             raise InvalidInputError(f"materials must be a MaterialTable, got {type(materials).__name__}.")
         if not isinstance(micro_literal, bool):
             raise InvalidInputError(f"micro_literal must be True or False, got {micro_literal!r}.")
+        if micro_literal and soft:
+            raise InvalidInputError("micro_literal must be left out unless solver is 'micro'.")
+        if not isinstance(sleeping, bool):
+            raise InvalidInputError(f"sleeping must be True or False, got {sleeping!r}.")
+        self._sleeping = sleeping
         self._iterations = checks.integer("iterations", iterations, minimum=1)
         self._threshold = checks.non_negative("restitution_threshold", restitution_threshold, "m/s")
         self._micro_literal = micro_literal
@@ -133,6 +149,10 @@ class World:
 
         self._state = state
         self._store = Store()
+        if soft:
+            from stiction.soft_store import SoftStore
+
+            self._store = SoftStore(precision)
         self._bodies: list[Body] = []
         self._by_name: dict[str, Body] = {}
         self._material_names: list[str] = []
@@ -177,7 +197,6 @@ class World:
 
         Raises:
             InvalidInputError: a value is not allowed; the world is as before.
-            NotYetError: contact of this shape is not there yet.
         """
         state = self._state
         fixed = self._checked_mobility(shape, static, kinematic)
@@ -201,25 +220,35 @@ class World:
                 f"velocity and angular_velocity of static body {name!r} must be zero (a kinematic body moves, "
                 f"surface_velocity makes a belt)."
             )
-        if isinstance(shape, Sphere):
-            code, size = state.SPHERE, (shape.radius, 0.0, 0.0, 0.0)
-        elif isinstance(shape, Box):
-            x, y, z = shape.size
-            code, size = state.BOX, (0.5 * x, 0.5 * y, 0.5 * z, 0.0)
-        else:
-            assert isinstance(shape, Plane)
-            code, size = state.PLANE, (*shape.normal, shape.offset)
-        row[state.SIZE] = np.array(size)
         row.update(self._checked_mass(shape, fixed, mass, density, inertia))
         if not isinstance(material, str) or material not in self.materials:
             self.materials.pair(material, material)  # raises, and names the nearest one
 
+        code, row[state.SIZE] = self._code_and_size(shape)
         mobility = state.STATIC if static else state.KINEMATIC if kinematic else state.DYNAMIC
         index = self._store.add(row, code, mobility, self._material_row(material))
         body = Body(self, index, name, shape, material)
         self._bodies.append(body)
         self._by_name[name] = body
         return body
+
+    def _code_and_size(self, shape: Shape) -> tuple[int, Array]:
+        """How core names the shape, and its four numbers of SIZE."""
+        state = self._state
+        match shape:
+            case Sphere():
+                return state.SPHERE, np.array((shape.radius, 0.0, 0.0, 0.0))
+            case Plane():
+                return state.PLANE, np.array((*shape.normal, shape.offset))
+            case Capsule():
+                return state.CAPSULE, np.array((shape.radius, shape.radius, 0.5 * shape.length + shape.radius, 0.0))
+            case Cylinder():
+                return state.CYLINDER, np.array((shape.radius, shape.radius, 0.5 * shape.length, 0.0))
+            case ConvexHull():
+                return state.HULL, np.array((*np.abs(shape.points).max(axis=0), self._store.hulls.add(shape)))
+        assert isinstance(shape, Box)
+        x, y, z = shape.size
+        return state.BOX, np.array((0.5 * x, 0.5 * y, 0.5 * z, 0.0))
 
     def _checked_mobility(self, shape: Any, static: Any, kinematic: Any) -> bool:
         """Whether the body is not dynamic."""
@@ -232,8 +261,8 @@ class World:
             raise InvalidInputError("static and kinematic must not both be True.")
         if isinstance(shape, Plane) and not (static or kinematic):
             raise InvalidInputError("a Plane must be static=True or kinematic=True, for it has no finite mass.")
-        if not isinstance(shape, (Sphere, Box, Plane)):
-            raise NotYetError(f"contact of {type(shape).__name__} is not there yet; Sphere, Box and Plane collide.")
+        if not isinstance(shape, (Sphere, Box, Plane, Capsule, Cylinder, ConvexHull)):
+            raise InvalidInputError(f"shape must be one of stiction's shapes, got a {type(shape).__name__}.")
         return bool(static or kinematic)
 
     def _checked_mass(
@@ -290,21 +319,25 @@ class World:
     @property
     def positions(self) -> Array:
         """(n, 3) m, of all bodies in order of creation. A view: writing moves bodies. Ask again after adding one."""
+        self._store.watch()
         return self._store.column(self._state.POSITION, 3)
 
     @property
     def orientations(self) -> Array:
         """(n, 4) unit quaternions (w, x, y, z), a view."""
+        self._store.watch()
         return self._store.column(self._state.ORIENTATION, 4)
 
     @property
     def velocities(self) -> Array:
         """(n, 3) m/s of the centres of mass, a view."""
+        self._store.watch()
         return self._store.column(self._state.V, 3)
 
     @property
     def angular_velocities(self) -> Array:
         """(n, 3) rad/s in world axes, a view."""
+        self._store.watch()
         return self._store.column(self._state.W, 3)
 
     # --- time ---------------------------------------------------------------------------------------------------------
@@ -392,6 +425,7 @@ class World:
         if body is not None and (not isinstance(body, Body) or body._world is not self):
             raise InvalidInputError(f"body must be a body of this world, got {body!r}.")
         state, store = self._state, self._store
+        store.collect_contacts()
         numbers, tags = store.contacts[: store.m], store.tags[: store.m]
         keep = (numbers[:, state.TOTAL] > 0.0) | (numbers[:, state.SEPARATION] <= 1e-5)
         if body is not None:
@@ -439,7 +473,9 @@ class World:
 
     def _make_settings(self) -> Any:
         x, y, z = (float(g) for g in self._gravity)
-        return self._state.Settings(x, y, z, self._dt, self._iterations, self._threshold, self.micro_literal)
+        return self._state.Settings(
+            x, y, z, self._dt, self._iterations, self._threshold, self.micro_literal, self._substeps, self._sleeping
+        )
 
     def _pair_table(self) -> Array:
         """The coefficients of the materials in use, (k, k, 5), made anew only when something changed."""
@@ -479,6 +515,10 @@ class World:
     def _write(self, index: int, column: str, value: Array) -> None:
         start: int = getattr(self._state, column)
         self._store.bodies[index, start : start + len(value)] = value
+        self._store.edited(index)
+
+    def _is_asleep(self, index: int) -> bool:
+        return bool(self._store.kinds[index, self._state.ASLEEP])
 
     def _mobility(self, index: int) -> str:
         return MOBILITIES[self._store.kinds[index, self._state.MOBILITY]]

@@ -125,22 +125,23 @@ class Manifold:
         return len(self.points)
 
 
-def contacts_of(first: Placed, second: Placed, margin: float, room: int = 8) -> Manifold:
+def contacts_of(first: Placed, second: Placed, margin: float, room: int = 8, hulls: Any = None) -> Manifold:
     """Contact points of two shapes that come within ``margin`` of each other, as the narrow phase finds them.
 
     The first body is dynamic and at rest, so that its margin is all that gravity can make of it in a step of 1 s.
+    ``hulls`` is the table of the hulls, needed for all but spheres, boxes and planes.
     """
     bodies, kinds = state.make_bodies(2)
     for i, placed in enumerate((first, second)):
         bodies[i, state.POSITION : state.POSITION + 3] = placed.position
         bodies[i, state.ORIENTATION : state.ORIENTATION + 4] = placed.orientation
         bodies[i, state.SIZE : state.SIZE + len(placed.size)] = placed.size
-        kinds[i] = placed.shape, state.STATIC, 0
+        kinds[i, :3] = placed.shape, state.STATIC, 0
     bodies[0, state.INVERSE_MASS] = 1.0
     kinds[0, state.MOBILITY] = state.DYNAMIC
     contacts, tags = state.make_contacts(room)
     pairs, scratch = np.array([[0, 1]]), state.make_lists(2, room, 1).points
-    found = compiled(find_contacts)(bodies, kinds, pairs, 1, contacts, tags, float(margin), 1.0, scratch, 1)
+    found = compiled(find_contacts)(bodies, kinds, pairs, 1, contacts, tags, float(margin), 1.0, scratch, 1, hulls)
     assert found <= room
     rows = contacts[:found]
     return Manifold(

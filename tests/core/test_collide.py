@@ -541,11 +541,12 @@ def test_too_little_room_is_counted_and_not_written_over() -> None:
     bodies[:, state.SIZE : state.SIZE + 3] = 0.5
     bodies[1, state.POSITION + 2] = 1.0
     bodies[0, state.INVERSE_MASS] = 1.0
-    kinds[:] = (state.BOX, state.DYNAMIC, 0), (state.BOX, state.STATIC, 0)
+    kinds[:, :3] = (state.BOX, state.DYNAMIC, 0), (state.BOX, state.STATIC, 0)
     backing, tags = state.make_contacts(3)
     backing[2] = 7.0
     scratch = state.make_lists(2, 2, 1).points
-    found = compiled(find_contacts)(bodies, kinds, np.array([[0, 1]]), 1, backing[:2], tags[:2], 1e-3, 1.0, scratch, 1)
+    pairs = np.array([[0, 1]])
+    found = compiled(find_contacts)(bodies, kinds, pairs, 1, backing[:2], tags[:2], 1e-3, 1.0, scratch, 1, None)
     assert found == 4
     assert (backing[2] == 7.0).all()
     full: Manifold = contacts_of(box((0.5,) * 3), box((0.5,) * 3, (0, 0, 1)), 1e-3)
@@ -558,13 +559,13 @@ def test_worlds_whose_boxes_never_meet_skip_that_branch() -> None:
     bodies[:, state.SIZE : state.SIZE + 3] = 0.5
     bodies[2, state.SIZE : state.SIZE + 4] = (0, 0, 1, -0.5)
     bodies[0, state.INVERSE_MASS] = 1.0
-    kinds[:] = (state.BOX, state.DYNAMIC, 0), (state.BOX, state.STATIC, 0), (state.PLANE, state.STATIC, 0)
+    kinds[:, :3] = (state.BOX, state.DYNAMIC, 0), (state.BOX, state.STATIC, 0), (state.PLANE, state.STATIC, 0)
     contacts, tags = state.make_contacts(16)
     scratch = state.make_lists(3, 16, 3).points
     pairs = np.array([[0, 1], [0, 2]])
 
     def found(flag: Any) -> int:
-        return int(compiled(find_contacts)(bodies, kinds, pairs, 2, contacts, tags, 1e-3, 1.0, scratch, flag))
+        return int(compiled(find_contacts)(bodies, kinds, pairs, 2, contacts, tags, 1e-3, 1.0, scratch, flag, None))
 
     assert found(None) == 4
     assert found(1) > 4

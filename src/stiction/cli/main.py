@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from stiction import __version__
+from stiction.cli.bench import bench
 from stiction.cli.console import complain
 from stiction.cli.materials import materials
 from stiction.cli.run import run
@@ -25,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, scenes, materials, verify, warmup):
+for command in (run, scenes, materials, verify, bench, warmup):
     app.command()(command)
 
 

@@ -10,7 +10,6 @@ from stiction.core.contact_rows import is_dynamic
 from stiction.core.jit import jit
 from stiction.core.state import (
     BOUNDS,
-    BOX,
     FORCE,
     INVERSE_MASS,
     MOBILITY,
@@ -24,7 +23,7 @@ from stiction.core.state import (
     V,
     W,
 )
-from stiction.core.vec import length, quat, rotation, vec3
+from stiction.core.vec import Vec3, length, put_vec3, quat, rotation, vec3
 
 
 @jit
@@ -44,21 +43,30 @@ def body_margin(bodies, kinds, i, gravity, dt):
 def update_bounds(bodies, kinds, n, gravity, dt):
     """The axis-aligned box around each bounded shape, grown by its margin."""
     for i in range(n):
-        if kinds[i, SHAPE] == PLANE:
-            continue
-        p = vec3(bodies, i, POSITION)
-        s = vec3(bodies, i, SIZE)
-        if kinds[i, SHAPE] == BOX:
-            R = rotation(quat(bodies, i, ORIENTATION))
-            ex = abs(R.xx) * s.x + abs(R.xy) * s.y + abs(R.xz) * s.z
-            ey = abs(R.yx) * s.x + abs(R.yy) * s.y + abs(R.yz) * s.z
-            ez = abs(R.zx) * s.x + abs(R.zy) * s.y + abs(R.zz) * s.z
-        else:
-            ex = ey = ez = s.x
-        grow = body_margin(bodies, kinds, i, gravity, dt) + 1e-6 * (ex + ey + ez)
-        b = bodies[i, BOUNDS : BOUNDS + 6]
-        b[0], b[1], b[2] = p.x - ex - grow, p.y - ey - grow, p.z - ez - grow
-        b[3], b[4], b[5] = p.x + ex + grow, p.y + ey + grow, p.z + ez + grow
+        bound_body(bodies, kinds, i, gravity, dt)
+
+
+@jit
+def bound_body(bodies, kinds, i, gravity, dt):
+    """The same for one body."""
+    if kinds[i, SHAPE] != PLANE:
+        R = rotation(quat(bodies, i, ORIENTATION))
+        set_bounds(bodies, kinds, i, R, body_margin(bodies, kinds, i, gravity, dt))
+
+
+@jit
+def set_bounds(bodies, kinds, i, R, margin):
+    """The same for one body with rotation matrix R."""
+    p, s = vec3(bodies, i, POSITION), vec3(bodies, i, SIZE)
+    if kinds[i, SHAPE] == SPHERE:
+        ex = ey = ez = s.x
+    else:
+        ex = abs(R.xx) * s.x + abs(R.xy) * s.y + abs(R.xz) * s.z
+        ey = abs(R.yx) * s.x + abs(R.yy) * s.y + abs(R.yz) * s.z
+        ez = abs(R.zx) * s.x + abs(R.zy) * s.y + abs(R.zz) * s.z
+    grow = margin + 1e-6 * (ex + ey + ez)
+    put_vec3(bodies, i, BOUNDS, Vec3(p.x - ex - grow, p.y - ey - grow, p.z - ez - grow))
+    put_vec3(bodies, i, BOUNDS + 3, Vec3(p.x + ex + grow, p.y + ey + grow, p.z + ez + grow))
 
 
 @jit

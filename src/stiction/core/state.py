@@ -13,8 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-SPHERE, BOX, PLANE = 0, 1, 2
-"""Codes of the shapes that collide, in the order in which pair functions take them."""
+SPHERE, BOX, PLANE, CAPSULE, CYLINDER, HULL = range(6)
+"""Codes of the shapes."""
 
 STATIC, KINEMATIC, DYNAMIC = 0, 1, 2
 """Mobility: never moves; moves as it is told; moves as forces tell it."""
@@ -29,34 +29,39 @@ def _starts(*widths: int) -> list[int]:
 
 # --- bodies: (n, BODY_WIDTH) float64; vectors in world axes unless said otherwise -------------------------------------
 
+# What is read together lies together.
 (
-    X,  # 3, centre of mass, m
-    V,  # 3, its velocity, m/s
+    POSITION,  # 3, origin of the shape's frame, m
+    ORIENTATION,  # 4, unit quaternion w, x, y, z
+    V,  # 3, velocity of the centre of mass, m/s
     W,  # 3, angular velocity, rad/s
+    CENTER,  # 3, centre of mass in the shape's frame, m
+    SIZE,  # 4, sphere: radius; plane: normal and offset, in the shape's frame; else half lengths of a box around it, hull
+    FORCE,  # 3, at the centre of mass, for one step, N
+    TORQUE,  # 3, for one step, N m
     INVERSE_MASS,  # 1/kg, 0 unless dynamic
-    WORLD_INERTIA,  # 9, inverse inertia in world axes, 0 unless dynamic
+    REACH,  # farthest point of the shape from the origin of its frame, m
+    BOUNDS,  # 6, box around the shape: lower corner, upper corner, m; once pairs are found, PUSH and PUSH_TURN
+    INERTIA,  # 9, about the centre of mass, in the shape's axes, kg m^2
+    INVERSE_INERTIA,  # 9, the same axes, 0 unless dynamic
+    MASS,  # kg
     SURFACE,  # 3, velocity of the surface relative to the body, in the shape's axes, m/s
+    REST,  # s, for how long the body has been at rest
+    FRICTION_WORK,  # lost to friction and rolling resistance at this body's contacts so far, J
+    X,  # 3, centre of mass, m
+    WORLD_INERTIA,  # 9, inverse inertia in world axes, 0 unless dynamic
     V_START,  # 3, velocities after impacts, before forces and resting contact
     W_START,  # 3
     MEAN,  # 1 if the body moves with the mean of its old and new velocity
-    POSITION,  # 3, origin of the shape's frame, m
-    ORIENTATION,  # 4, unit quaternion w, x, y, z
-    SIZE,  # 4, sphere: radius; box: half lengths; plane: normal and offset, in the shape's frame
-    BOUNDS,  # 6, box around the shape: lower corner, upper corner, m; once pairs are found, PUSH and PUSH_TURN
-    FORCE,  # 3, at the centre of mass, for one step, N
-    TORQUE,  # 3, for one step, N m
-    MASS,  # kg
-    CENTER,  # 3, centre of mass in the shape's frame, m
-    INERTIA,  # 9, about the centre of mass, in the shape's axes, kg m^2
-    INVERSE_INERTIA,  # 9, the same axes, 0 unless dynamic
-    FRICTION_WORK,  # lost to friction and rolling resistance at this body's contacts so far, J
     LAST,  # 14, last finite position, orientation, v, w and friction work
     BODY_WIDTH,
-) = _starts(3, 3, 3, 1, 9, 3, 3, 3, 1, 3, 4, 4, 6, 3, 3, 1, 3, 9, 9, 1, 14)
+) = _starts(3, 4, 3, 3, 3, 4, 3, 3, 1, 1, 6, 9, 9, 1, 3, 1, 1, 3, 9, 3, 3, 1, 14)
 PUSH, PUSH_TURN = BOUNDS, BOUNDS + 3  # way out of penetration, m and rad
 
-SHAPE, MOBILITY, MATERIAL, KINDS_WIDTH = range(4)
-"""Columns of the bodies' integers, (n, KINDS_WIDTH) int64; MATERIAL is a row of the pair table."""
+SHAPE, MOBILITY, MATERIAL, LAYER, MASK, SENSOR, ASLEEP, ISLAND, KINDS_WIDTH = range(9)
+"""Columns of the bodies' integers, (n, KINDS_WIDTH) int64. MATERIAL is a row of the pair table; two bodies meet if each
+one's LAYER bits are among the other's MASK bits; a SENSOR overlaps and pushes nothing; ASLEEP bodies take no part; ISLAND
+is the lowest body of those that fell asleep together."""
 
 # --- contacts: (m, CONTACT_WIDTH) float64; "contact coordinates" have the normal first --------------------------------
 
@@ -99,7 +104,7 @@ class Lists(NamedTuple):
     gain: np.ndarray  # (n, 2) energy change of a group, and its scale
     ledger: np.ndarray  # (LEDGER_WIDTH,) float64 the ledger at the last finite state
     report: np.ndarray  # (3, REPORT_WIDTH) float64 the report then
-    points: np.ndarray  # (16, 5) candidates of one manifold: point, separation, feature
+    points: np.ndarray  # (SCRATCH, 5) candidates of one manifold: point, separation, feature
 
 
 FRICTION, ROLLING_LOSS, IMPACTS, WORK, NUMERICAL, EDITS, INITIAL, MECHANICAL, LEDGER_WIDTH = range(9)
@@ -124,6 +129,12 @@ class Settings(NamedTuple):
     iterations: int  # visits a contact and stage, at most
     threshold: float  # m/s, approach speeds below it are resting contact
     literal: bool
+    substeps: int  # of the soft solver
+    sleeping: bool  # whether the soft solver lets bodies sleep
+
+
+SCRATCH = 144
+"""Rows that the narrow phase needs to work in: two buffers of 64 points and a simplex of 4 times 2 rows, and spare."""
 
 
 def make_bodies(n: int) -> tuple[np.ndarray, np.ndarray]:
@@ -150,5 +161,5 @@ def make_lists(n: int, m: int, p: int) -> Lists:
         gain=np.zeros((n, 2)),
         ledger=np.zeros(LEDGER_WIDTH),
         report=np.zeros((3, REPORT_WIDTH)),
-        points=np.zeros((16, 5)),
+        points=np.zeros((SCRATCH, 5)),
     )

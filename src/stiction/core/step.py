@@ -28,11 +28,14 @@ DONE, MORE_PAIRS, MORE_CONTACTS, BLOWN_UP = 0, 1, 2, 3
 
 
 @entry
-def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger, report, boxes_meet, extras):
+def step(
+    steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger, report, boxes_meet, extras, hulls
+):  # fmt: skip
     """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason, contacts).
 
     ``boxes_meet`` and ``extras`` are None in worlds where no two boxes can meet, and where nothing bounces and friction
-    is not literal: those branches are then never compiled.
+    is not literal; ``hulls``, the table of the convex hulls, is None in worlds of spheres, boxes and planes only: those
+    branches are then never compiled.
 
     When there is no room for a step's pairs or contacts it returns before that step has changed anything, with the room
     that is needed; when a body's state is no longer finite, with that body, all bodies back at their last finite state.
@@ -56,7 +59,7 @@ def step(steps, bodies, kinds, n, contacts, tags, lists, table, settings, ledger
         if meeting > pairs.shape[0]:
             close_ledger(bodies, n, gravity, ledger)
             return MORE_PAIRS, done, meeting, m
-        found = find_contacts(bodies, kinds, pairs, meeting, contacts, tags, g, dt, points, boxes_meet)
+        found = find_contacts(bodies, kinds, pairs, meeting, contacts, tags, g, dt, points, boxes_meet, hulls)
         if found > contacts.shape[0]:
             close_ledger(bodies, n, gravity, ledger)
             return MORE_CONTACTS, done, found, 0

@@ -44,15 +44,16 @@ def make_world(
 def solver_tolerance(solver: str) -> float:
     """eps: how far the velocity of a contact may be from what its law demands when a step ends, m/s."""
     from stiction.core.solve.micro import TOLERANCE
+    from stiction.core.solve.soft import ENOUGH
 
-    return {"micro": TOLERANCE}[solver]
+    return {"micro": TOLERANCE, "soft": ENOUGH}[solver]
 
 
 def slip_speed(solver: str) -> float:
     """s: a contact that slips more slowly than this is taken to hold, m/s."""
     from stiction.core.solve.micro import SLIP_SPEED
 
-    return {"micro": SLIP_SPEED}[solver]
+    return {"micro": SLIP_SPEED, "soft": SLIP_SPEED}[solver]
 
 
 def speed_error(solver: str, seconds: float, dt: float) -> float:

@@ -30,8 +30,17 @@ def _reach(half, c):
 
 
 @jit
+def _octant(v):
+    """A bit for each component above 0."""
+    return (1 if v.x > 0.0 else 0) | (2 if v.y > 0.0 else 0) | (4 if v.z > 0.0 else 0)
+
+
+@jit
 def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points):
-    """Feature of a point: axis (0 to 14), incident face, and corner or clip edge. ``points`` is scratch, (16, 5)."""
+    """Feature of a point: axis (0 to 14), then incident face and corner or clip edge, or both edges.
+
+    ``points`` is scratch, (16, 5).
+    """
     Ra = rotation(qa)
     Rb = rotation(qb)
     RaT = transpose(Ra)
@@ -100,7 +109,9 @@ def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, sepa
     s = min(max(s, -_get(ha, i)), _get(ha, i))
     t = min(max(t, -_get(hb, j)), _get(hb, j))
     point = (qa + u * s + qb + v * t) * 0.5
-    return emit(contacts, tags, count, a, b, point, normal, separation, axis << 8)
+    # which of the four parallel edges of either box: the signs of its corner, less that along the edge
+    edges = (_octant(sa) & ~(1 << i)) << 3 | (_octant(sb) & ~(1 << j))
+    return emit(contacts, tags, count, a, b, point, normal, separation, axis << 8 | edges)
 
 
 @jit

@@ -9,6 +9,8 @@ from stiction.core.vec import Vec3, cross, dot, put_vec3
 POINTS = 4
 CLEARLY = 1.01
 """A candidate must be better than a deeper one by this factor."""
+ROUND = 1 << 40
+"""Bit of the feature of four points that stand for a whole disc: they lie on its rim, 90 degrees apart."""
 
 
 @jit

@@ -5,45 +5,79 @@ from __future__ import annotations
 from stiction.core.broadphase import body_margin
 from stiction.core.collide.box_box import box_box
 from stiction.core.collide.box_plane import box_plane
-from stiction.core.collide.sphere import sphere_box, sphere_plane, sphere_sphere
+from stiction.core.collide.capsule import capsule_capsule
+from stiction.core.collide.convex import convex_convex
+from stiction.core.collide.hulls import convex_of
+from stiction.core.collide.on_plane import cylinder_plane, hull_plane
+from stiction.core.collide.sphere import sphere_box, sphere_cylinder, sphere_plane, sphere_sphere
 from stiction.core.jit import jit
-from stiction.core.state import BOX, ORIENTATION, POSITION, SHAPE, SIZE, SPHERE
-from stiction.core.vec import dot, quat, rotation, vec3
+from stiction.core.state import BOX, CAPSULE, CYLINDER, ORIENTATION, PLANE, POSITION, SHAPE, SIZE, SPHERE
+from stiction.core.vec import Vec3, dot, quat, rotation, vec3
 
 
 @jit
-def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, points, boxes_meet):
+def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, points, boxes_meet, hulls):
     """Fill ``contacts`` from the pairs; returns how many there are, which may exceed the room.
 
-    ``boxes_meet`` is None in worlds where no box can meet another one: the branch, which is most of the machine code,
-    is then never compiled.
+    ``points``, ``boxes_meet`` and ``hulls`` are those of :func:`pair_contacts`.
     """
     count = 0
     for k in range(npairs):
-        # the shape with the lower code first
         a, b = pairs[k, 0], pairs[k, 1]
-        if kinds[a, SHAPE] > kinds[b, SHAPE]:
-            a, b = b, a
         margin = body_margin(bodies, kinds, a, gravity, dt) + body_margin(bodies, kinds, b, gravity, dt)
-        pa, pb = vec3(bodies, a, POSITION), vec3(bodies, b, POSITION)
-        qa, qb = quat(bodies, a, ORIENTATION), quat(bodies, b, ORIENTATION)
-        sa, sb = vec3(bodies, a, SIZE), vec3(bodies, b, SIZE)
-        margin += 1e-6 * (sa.x + sb.x)
-        if kinds[a, SHAPE] == SPHERE:
-            if kinds[b, SHAPE] == SPHERE:
-                count = sphere_sphere(contacts, tags, count, a, pa, sa.x, b, pb, sb.x, margin)
-            elif kinds[b, SHAPE] == BOX:
-                count = sphere_box(contacts, tags, count, a, pa, sa.x, b, pb, qb, sb, margin)
+        count = pair_contacts(bodies, kinds, a, b, margin, contacts, tags, count, points, boxes_meet, hulls)
+    return count
+
+
+@jit
+def pair_contacts(bodies, kinds, a, b, margin, contacts, tags, count, points, boxes_meet, hulls):
+    """Write up to four contact points of bodies a and b that are no farther apart than ``margin``, from row ``count``.
+
+    Returns the new count, which may exceed the room. ``points`` is scratch, (SCRATCH, 5).
+
+    ``boxes_meet`` is None in worlds where no box can meet another one, and ``hulls``, the table of the convex hulls, in
+    worlds of spheres, boxes and planes: those branches, which are most of the machine code, are then never compiled.
+    """
+    # planes come last, else the shape with the lower code first
+    if kinds[a, SHAPE] == PLANE or (kinds[b, SHAPE] != PLANE and kinds[a, SHAPE] > kinds[b, SHAPE]):
+        a, b = b, a
+    one, other = kinds[a, SHAPE], kinds[b, SHAPE]
+    pa, pb = vec3(bodies, a, POSITION), vec3(bodies, b, POSITION)
+    qa, qb = quat(bodies, a, ORIENTATION), quat(bodies, b, ORIENTATION)
+    sa, sb = vec3(bodies, a, SIZE), vec3(bodies, b, SIZE)
+    margin += 1e-6 * (sa.x + sb.x)
+
+    if other == PLANE:
+        n, offset = world_plane(bodies, b)
+        if one == SPHERE:
+            count = sphere_plane(contacts, tags, count, a, pa, sa.x, b, n, offset, margin)
+        elif one == BOX:
+            count = box_plane(contacts, tags, count, a, pa, qa, sa, b, n, offset, margin, points)
+        elif hulls is not None:
+            A = convex_of(bodies, kinds, a, Vec3(0.0, 0.0, 0.0), hulls)
+            offset -= dot(n, pa)
+            if one == CYLINDER:
+                count = cylinder_plane(contacts, tags, count, a, A, b, n, offset, pa, margin)
             else:
-                n, offset = world_plane(bodies, b)
-                count = sphere_plane(contacts, tags, count, a, pa, sa.x, b, n, offset, margin)
-        elif kinds[a, SHAPE] == BOX:
-            if kinds[b, SHAPE] == BOX:
-                if boxes_meet is not None:
-                    count = box_box(contacts, tags, count, a, pa, qa, sa, b, pb, qb, sb, margin, points)
+                count = hull_plane(contacts, tags, count, a, A, b, n, offset, pa, hulls, margin, points)
+    elif other == SPHERE:
+        count = sphere_sphere(contacts, tags, count, a, pa, sa.x, b, pb, sb.x, margin)
+    elif other == BOX:
+        if one == SPHERE:
+            count = sphere_box(contacts, tags, count, a, pa, sa.x, b, pb, qb, sb, margin)
+        elif boxes_meet is not None:
+            count = box_box(contacts, tags, count, a, pa, qa, sa, b, pb, qb, sb, margin, points)
+    elif hulls is not None:
+        if one == SPHERE and other == CYLINDER:
+            count = sphere_cylinder(contacts, tags, count, a, pa, sa.x, b, pb, qb, sb, margin)
+        else:
+            # near the origin, so that places far away cost no digits
+            A = convex_of(bodies, kinds, a, Vec3(0.0, 0.0, 0.0), hulls)
+            B = convex_of(bodies, kinds, b, pb - pa, hulls)
+            if (one == SPHERE or one == CAPSULE) and other == CAPSULE:
+                count = capsule_capsule(contacts, tags, count, a, A, b, B, pa, hulls, margin, points)
             else:
-                n, offset = world_plane(bodies, b)
-                count = box_plane(contacts, tags, count, a, pa, qa, sa, b, n, offset, margin, points)
+                count = convex_convex(contacts, tags, count, a, A, b, B, pa, hulls, margin, points)
     return count
 
 

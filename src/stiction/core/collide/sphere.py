@@ -1,4 +1,4 @@
-"""Contacts of a sphere: with a sphere, a box and a plane. One point each."""
+"""Contacts of a sphere: with a sphere, a box, a cylinder and a plane. One point each."""
 
 from __future__ import annotations
 
@@ -58,3 +58,27 @@ def sphere_plane(contacts, tags, count, a, pa, radius, b, n, offset, margin):
     if separation > margin:
         return count
     return emit(contacts, tags, count, a, b, pa - n * (radius + 0.5 * separation), -n, separation, 0)
+
+
+@jit
+def sphere_cylinder(contacts, tags, count, a, pa, radius, b, pb, qb, size, margin):
+    """The point of the cylinder nearest to the centre; from inside, the cap or the side, whichever is nearer."""
+    R = rotation(qb)
+    c = transpose(R) @ (pa - pb)
+    r = math.sqrt(c.x * c.x + c.y * c.y)
+    # outward from the axis; on the axis any direction will do
+    u = Vec3(c.x / r, c.y / r, 0.0) if r > 0.0 else Vec3(1.0, 0.0, 0.0)
+    side, cap = r - size.x, abs(c.z) - size.z
+    up = Vec3(0.0, 0.0, math.copysign(1.0, c.z))
+    if side <= 0.0 and cap <= 0.0:
+        distance = max(side, cap)
+        outward = u if side > cap else up
+    else:
+        beyond, above = max(side, 0.0), max(cap, 0.0)
+        distance = math.sqrt(beyond * beyond + above * above)
+        outward = (u * beyond + up * above) * (1.0 / distance)
+    separation = distance - radius
+    if separation > margin:
+        return count
+    normal = -(R @ outward)
+    return emit(contacts, tags, count, a, b, pa + normal * (radius + 0.5 * separation), normal, separation, 0)

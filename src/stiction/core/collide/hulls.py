@@ -1,0 +1,164 @@
+"""Convex shapes as the narrow phase sees them: a core, which is a polytope or a cylinder, grown by a radius.
+
+A sphere is a point with a radius, a capsule a segment with a radius, a box the cube of the table, scaled by its half
+lengths. So one support function, one distance and one clipping serve all pairs that have no formula of their own.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from stiction.core.jit import jit
+from stiction.core.state import BOX, CAPSULE, CYLINDER, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
+from stiction.core.vec import Mat33, Vec3, column, dot, quat, rotation, transpose, vec3
+
+
+class Hulls(NamedTuple):
+    """All polytopes of a world. Numbers of vertices and faces are rows of these arrays."""
+
+    spans: np.ndarray  # (h, 6) int64 a hull's first vertex, number of vertices, the same of faces, the same of edges
+    breadths: np.ndarray  # (h,) half of the least width, m
+    middles: np.ndarray  # (h, 3) mean of the vertices, m
+    vertices: np.ndarray  # (v, 3) m, in the shape's frame
+    planes: np.ndarray  # (f, 4) outward normal, and offset n . x, m
+    loops: np.ndarray  # (f, 2) int64 a face's corners are corners[first : first + number]
+    corners: np.ndarray  # (c,) int64 vertices, counter-clockwise seen from outside
+    edges: np.ndarray  # (e, 4) int64 two vertices, two faces (-1 where there is none)
+
+
+CUBE, SEGMENT, POINT, NOTHING, PRIMITIVES = range(5)
+"""Rows of the table that are always there: [-1, 1]^3, (0, 0, -1) to (0, 0, 1), the origin, and none for a cylinder."""
+
+
+class Convex(NamedTuple):
+    """One body's shape: what it takes to ask for its support."""
+
+    p: Vec3  # origin of the shape's frame, m
+    R: Mat33  # its axes
+    scale: Vec3  # factors of the hull's vertices; radius, radius and half length of a cylinder, m
+    radius: float  # by which the core is grown, m
+    small: float  # half of the least width, m
+    hull: int
+    round: bool  # a cylinder
+
+
+RIM = 16
+"""Corners of the polygon that stands for a disc where it is clipped."""
+MOST_CORNERS = 32
+"""A face of more corners is clipped as the polygon of every second, third... of them."""
+
+
+@jit
+def convex_of(bodies, kinds, i, p, hulls):
+    """Body i with the origin of its frame at p."""
+    s = vec3(bodies, i, SIZE)
+    R = rotation(quat(bodies, i, ORIENTATION))
+    shape = kinds[i, SHAPE]
+    radius, hull = 0.0, CUBE
+    if shape == SPHERE:
+        radius, hull = s.x, POINT
+        s = Vec3(0.0, 0.0, 0.0)
+    elif shape == CAPSULE:
+        radius, hull = s.x, SEGMENT
+        s = Vec3(0.0, 0.0, s.z - s.x)
+    elif shape == CYLINDER:
+        hull = NOTHING
+    elif shape == HULL:
+        hull = int(bodies[i, SIZE + 3])
+        s = Vec3(1.0, 1.0, 1.0)
+    small = radius
+    if shape == BOX or shape == CYLINDER:
+        small = min(s.x, min(s.y, s.z))
+    elif shape == HULL:
+        small = hulls.breadths[hull]
+    return Convex(p, R, s, radius, small, hull, shape == CYLINDER)
+
+
+@jit
+def vertex(X, hulls, i):
+    """Vertex of row i, where the shape is."""
+    v = hulls.vertices
+    return X.p + X.R @ Vec3(v[i, 0] * X.scale.x, v[i, 1] * X.scale.y, v[i, 2] * X.scale.z)
+
+
+@jit
+def shrunk(X, hulls, factor):
+    """The core, smaller by a factor, about the middle of its vertices."""
+    s, rest = X.scale, 1.0 - factor
+    m = vec3(hulls.middles, X.hull, 0)
+    p = X.p + X.R @ Vec3(m.x * s.x * rest, m.y * s.y * rest, m.z * s.z * rest)
+    return Convex(p, X.R, s * factor, X.radius, X.small, X.hull, X.round)
+
+
+@jit
+def support(X, hulls, n):
+    """The point of the core that lies farthest along n (world axes, any length)."""
+    m = transpose(X.R) @ n
+    if X.round:
+        across = math.sqrt(m.x * m.x + m.y * m.y)
+        s = X.scale.x / across if across > 0.0 else 0.0
+        return X.p + X.R @ Vec3(m.x * s, m.y * s, math.copysign(X.scale.z, m.z))
+    x, y, z = m.x * X.scale.x, m.y * X.scale.y, m.z * X.scale.z
+    v = hulls.vertices
+    first = hulls.spans[X.hull, 0]
+    farthest, best = first, -math.inf
+    for i in range(first, first + hulls.spans[X.hull, 1]):
+        h = x * v[i, 0] + y * v[i, 1] + z * v[i, 2]
+        if h > best:
+            farthest, best = i, h
+    return vertex(X, hulls, farthest)
+
+
+@jit
+def face_count(X, hulls):
+    """Flat faces: the two caps of a cylinder, those of the hull, none of a sphere and a capsule."""
+    return 2 if X.round else hulls.spans[X.hull, 3]
+
+
+@jit
+def face_plane(X, hulls, f):
+    """Outward normal of face f in world axes, and its distance from the origin of the shape's frame."""
+    if X.round:
+        return column(X.R, 2) * (1.0 if f == 0 else -1.0), X.scale.z
+    i = hulls.spans[X.hull, 2] + f
+    m = vec3(hulls.planes, i, 0)
+    # only the cube is scaled, and its normals are axes
+    return X.R @ m, hulls.planes[i, 3] * (m.x * m.x * X.scale.x + m.y * m.y * X.scale.y + m.z * m.z * X.scale.z)
+
+
+@jit
+def facing(X, hulls, n):
+    """The face whose normal is nearest to n, -1 if there are no faces."""
+    face, best = -1, -math.inf
+    for f in range(face_count(X, hulls)):
+        m, _ = face_plane(X, hulls, f)
+        if dot(m, n) > best:
+            face, best = f, dot(m, n)
+    return face
+
+
+@jit
+def corner_count(X, hulls, f):
+    """Corners of face f, as it is clipped."""
+    if X.round:
+        return RIM
+    m = hulls.loops[hulls.spans[X.hull, 2] + f, 1]
+    stride = (m + MOST_CORNERS - 1) // MOST_CORNERS
+    return (m + stride - 1) // stride
+
+
+@jit
+def corner(X, hulls, f, k, u):
+    """Corner k of face f, counter-clockwise seen from outside; u is the direction of a disc's corner 0."""
+    if X.round:
+        n, offset = face_plane(X, hulls, f)
+        angle = 2.0 * math.pi / RIM * k
+        c, s = math.cos(angle) * X.scale.x, math.sin(angle) * X.scale.x
+        v = Vec3(n.y * u.z - n.z * u.y, n.z * u.x - n.x * u.z, n.x * u.y - n.y * u.x)
+        return X.p + n * offset + u * c + v * s
+    row = hulls.spans[X.hull, 2] + f
+    m = hulls.loops[row, 1]
+    return vertex(X, hulls, hulls.corners[hulls.loops[row, 0] + k * ((m + MOST_CORNERS - 1) // MOST_CORNERS)])

@@ -1,0 +1,189 @@
+"""Bodies between the world's float64 rows and the soft solver's rows: loading, substeps, and moving at the end.
+
+A body without contact is not the solver's business: it flies a whole step with the mean of its old and new velocity,
+exactly. A body in contact moves with its new velocity in each substep, but one that only slides, in one plane, or rolls
+on one point, moves along that plane with the mean, so that a stopping distance is not v h / 2 too short.
+"""
+
+from __future__ import annotations
+
+import math
+
+from stiction.core import soft_rows as s
+from stiction.core.broadphase import body_margin, set_bounds
+from stiction.core.contact_space import world_inverse_inertia
+from stiction.core.integrate import gyroscopic
+from stiction.core.jit import jit
+from stiction.core.lanes import load_part, store_part
+from stiction.core.sleep import REST_SPEED
+from stiction.core.state import (
+    CENTER,
+    DYNAMIC,
+    FORCE,
+    INERTIA,
+    INVERSE_INERTIA,
+    INVERSE_MASS,
+    MOBILITY,
+    ORIENTATION,
+    PLANE,
+    POSITION,
+    REACH,
+    REST,
+    SHAPE,
+    SURFACE,
+    TORQUE,
+    WORK,
+    V,
+    W,
+)
+from stiction.core.vec import (
+    Vec3,
+    dot,
+    length,
+    mat33,
+    put_mat33,
+    put_quat,
+    put_vec3,
+    quat,
+    rotation,
+    turn,
+    vec3,
+)
+
+NO_GLIDE, GLIDES, ROLLS = 0, 1, 2
+"""How a body in contact moves within a substep: with its new velocity; along one plane with the mean; also turning so."""
+
+
+@jit
+def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
+    """Everything that a step asks of body i where it is now: pose, bounds, and its row in the solver.
+
+    One pass over the wide rows of the bodies; what comes later reads the narrow ones that this writes. ``gravity`` is a
+    vector, ``g`` its length.
+    """
+    r = i + 1
+    R = rotation(quat(bodies, i, ORIENTATION))
+    v, w = vec3(bodies, i, V), vec3(bodies, i, W)
+    center = vec3(bodies, i, CENTER)
+    margin = body_margin(bodies, kinds, i, g, dt)
+    put_vec3(pose, r, s.POSE_X, vec3(bodies, i, POSITION) + R @ center)
+    put_mat33(pose, r, s.POSE_ROTATION, R)
+    pose[r, s.POSE_REACH], pose[r, s.POSE_MARGIN] = bodies[i, REACH], margin
+    belt = vec3(bodies, i, SURFACE)
+    pose[r, s.POSE_BELT] = 0.0 if belt.x == 0.0 and belt.y == 0.0 and belt.z == 0.0 else 1.0
+    if kinds[i, SHAPE] != PLANE:
+        set_bounds(bodies, kinds, i, R, margin)
+
+    for k in range(s.ROW_WIDTH):
+        rows[r, k] = 0.0
+    put_mat33(aux, r, s.AUX_ROTATION, R)
+    aux[r, s.AUX_MASS] = bodies[i, INVERSE_MASS]
+    if kinds[i, MOBILITY] == DYNAMIC:
+        # the gyroscopic term acts first, once and implicitly
+        w = gyroscopic(R, mat33(bodies, i, INERTIA), w, dt)
+        I = world_inverse_inertia(R, mat33(bodies, i, INVERSE_INERTIA))
+        a, angular = gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS], I @ vec3(bodies, i, TORQUE)
+        put_vec3(rows, r, s.ROW_V, v + a * h)
+        put_vec3(rows, r, s.ROW_W, w + angular * h)
+        put_vec3(aux, r, s.AUX_INERTIA, Vec3(I.xx, I.xy, I.xz))
+        put_vec3(aux, r, s.AUX_INERTIA + 3, Vec3(I.yy, I.yz, I.zz))
+    else:
+        put_vec3(rows, r, s.ROW_V, v)
+        put_vec3(rows, r, s.ROW_W, w)
+        for k in range(s.AUX_MASS, s.AUX_WIDTH):
+            aux[r, k] = 0.0
+    put_vec3(aux, r, s.AUX_OLD_V, v)
+    put_vec3(aux, r, s.AUX_OLD_W, w)
+
+
+@jit
+def move_rows(moving, count, glide, normals, rows, aux, h, last):
+    """Displace the bodies by a substep, and start the next one unless this was the last.
+
+    The next one starts from v' + (v' - v): gravity, forces and impulses of this substep act again (see ``solve.soft``).
+    """
+    for k in range(count):
+        i = moving[k]
+        r = i + 1
+        new, old = load_part(rows, r, s.ROW_V), load_part(aux, r, s.AUX_OLD_V)
+        store_part(rows, r, s.ROW_D, load_part(rows, r, s.ROW_D) + new * h)
+        if glide[i] != NO_GLIDE:
+            n = Vec3(normals[i, 0], normals[i, 1], normals[i, 2])
+            dv = _wide(vec3(aux, r, s.AUX_OLD_V) - vec3(rows, r, s.ROW_V))
+            dw = _wide(vec3(aux, r, s.AUX_OLD_W) - vec3(rows, r, s.ROW_W))
+            put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) + (dv - n * dot(n, dv)) * (0.5 * h))
+            turn = dw if glide[i] == ROLLS else n * dot(n, dw)
+            put_vec3(rows, r, s.ROW_TURN, vec3(rows, r, s.ROW_TURN) + turn * (0.5 * h))
+        if not last:
+            store_part(rows, r, s.ROW_V, new + (new - old))
+            store_part(aux, r, s.AUX_OLD_V, new)
+
+
+@jit
+def row_is_finite(rows, r):
+    """Whether everything in a body's row is a finite number."""
+    total = 0.0
+    for k in range(s.ROW_WIDTH):
+        total += rows[r, k] * rows[r, k]
+    return math.isfinite(total)
+
+
+@jit
+def _wide(v):
+    """In float64, whatever the solver's precision."""
+    return v * 1.0
+
+
+@jit
+def finish_contact(bodies, kinds, i, pose, rows, dt, ledger):
+    """Take velocities and displacement of a body in contact over from its row."""
+    r = i + 1
+    if kinds[i, MOBILITY] == DYNAMIC:
+        v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
+        v1, w1 = _wide(vec3(rows, r, s.ROW_V)), _wide(vec3(rows, r, s.ROW_W))
+        put_vec3(bodies, i, V, v1)
+        put_vec3(bodies, i, W, w1)
+        enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
+    _go(bodies, i, pose, _wide(vec3(rows, r, s.ROW_D)), _wide(vec3(rows, r, s.ROW_TURN)), dt)
+
+
+@jit
+def finish_free(bodies, kinds, i, pose, gravity, dt, ledger):
+    """A whole step of a body that touches nothing, or of a kinematic one."""
+    v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
+    v1, w1 = v0, w0
+    if kinds[i, MOBILITY] == DYNAMIC:
+        R = mat33(pose, i + 1, s.POSE_ROTATION)
+        w0 = gyroscopic(R, mat33(bodies, i, INERTIA), w0, dt)
+        I = world_inverse_inertia(R, mat33(bodies, i, INVERSE_INERTIA))
+        v1 = v0 + (gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS]) * dt
+        w1 = w0 + (I @ vec3(bodies, i, TORQUE)) * dt
+        put_vec3(bodies, i, V, v1)
+        put_vec3(bodies, i, W, w1)
+        enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
+    _go(bodies, i, pose, (v0 + v1) * (0.5 * dt), (w0 + w1) * (0.5 * dt), dt)
+
+
+@jit
+def enter_work(bodies, i, twice_v, twice_w, dt, ledger):
+    """Work of applied forces and torques over a step, by the mean velocities."""
+    ledger[WORK] += 0.5 * dt * dot(vec3(bodies, i, FORCE), twice_v)
+    ledger[WORK] += 0.5 * dt * dot(vec3(bodies, i, TORQUE), twice_w)
+
+
+@jit
+def _go(bodies, i, pose, dx, angle, dt):
+    """Displace and turn body i; its forces are used up."""
+    way = length(dx) + bodies[i, REACH] * length(angle)
+    pose[i + 1, s.POSE_MOTION] += way
+    bodies[i, REST] = bodies[i, REST] + dt if way < REST_SPEED * dt else 0.0
+    x = vec3(pose, i + 1, s.POSE_X) + dx
+    q = turn(quat(bodies, i, ORIENTATION), angle)
+    put_quat(bodies, i, ORIENTATION, q)
+    center = vec3(bodies, i, CENTER)
+    if center.x != 0.0 or center.y != 0.0 or center.z != 0.0:
+        x = x - rotation(q) @ center
+    put_vec3(bodies, i, POSITION, x)
+    zero = Vec3(0.0, 0.0, 0.0)
+    put_vec3(bodies, i, FORCE, zero)
+    put_vec3(bodies, i, TORQUE, zero)

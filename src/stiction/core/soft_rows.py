@@ -1,0 +1,131 @@
+"""The arrays of the soft solver: what lives as long as a pair of bodies does, and what a step makes of it.
+
+Three kinds of rows, in the solver's own precision (float32 unless double is asked for):
+
+manifolds   64 numbers a pair: frame, points, impulses, friction state. They live as long as the pair.
+blocks      eight manifolds side by side, made anew each step from the manifolds, in the order of the colours: number k
+            of the eight is a vector, so a block is FIELDS vectors of eight lanes.
+rows        a body's velocities and displacements since the step began, one cache line a body, row 0 for nobody.
+
+Positions stay in float64: a manifold keeps its anchors in the two bodies' own frames in float64, and only their
+difference, a few millimetres, goes into the lanes. So float32 costs nothing a kilometre from the origin.
+"""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import NamedTuple
+
+import numpy as np
+
+from stiction.core.lanes import LANES
+
+
+def _starts(*widths: int) -> list[int]:
+    return list(accumulate(widths, initial=0))
+
+
+# --- manifolds: (m, MANIFOLD_WIDTH); in groups of eight, as they are gathered -----------------------------------------
+
+(
+    NORMAL_A, TANGENT_A, MU_S, MU_D,  # normal (a to b) and first tangent in the axes of a; the pair's coefficients
+    NORMAL_B, TANGENT_B, STATE, OVER,  # the same directions in the axes of b; STUCK or SLIDING; substeps over the limit
+    GAP, LOAD,  # 4 + 4: separations when the manifold was made, m; normal impulses of the last substep, N s
+    PLACE_U, PLACE_V,  # 4 + 4: where the points are in the plane, from the anchor, m
+    PULL, SPIN, TORSIONAL, ROLLING, STIFF, RESTITUTION,  # friction impulse (world, N s) and torque about n at the anchor
+    M_U, M_V, C_U, C_V, ARM, ROUND_CAP, COUNT, FRESH,  # second moments of the patch and of its points, m^2; mean arm
+    SHIFT, ARM_A, TOTAL_SPIN, WORK_DONE,  # of b against a since the manifold was made; anchor from a's centre of mass, m
+    ARM_B, BELT, BELT_SPIN, LEFT,  # anchor from b's centre of mass, m; velocity of the surface of a less that of b, world, m/s
+    MANIFOLD_WIDTH,
+) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3, 3, 1, 1, 3, 3, 1, 1)  # fmt: skip
+
+STUCK, SLIDING = 0.0, 1.0
+"""States of a manifold: its static or its dynamic coefficient holds."""
+
+(TOTAL_LOAD, TOTAL_PULL, TOTAL_TWIST, REPORT_WIDTH) = _starts(4, 3, 1)
+"""Columns of the reports, (m, REPORT_WIDTH): normal impulses of the whole step a point, friction impulse (world) and
+torque impulse about the normal at the anchor."""
+
+(SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, META_WIDTH) = _starts(1, 1, 1, 1, 4, 3, 5)
+"""Columns of what a manifold keeps in float64: how far both bodies had moved when it was made, m; the margin it was
+looked for with, m; how far they may move until it is made anew, m; how many points and their features (whole numbers);
+the anchor in the axes of a and of b, from their centres of mass, m."""
+
+# --- blocks: (blocks x FIELDS, 8) -------------------------------------------------------------------------------------
+
+(
+    B_NORMAL, B_TANGENT,  # frame n, u (and v = n x u), world
+    B_ARM_A, B_ARM_B,  # anchor from the centres of mass, in the frame
+    B_MASS_A, B_MASS_B,  # inverse masses
+    B_INERTIA_A, B_INERTIA_B,  # 6 + 6, inverse inertia in the frame, upper triangle
+    B_KVV, B_KWV, B_KWW,  # 6 + 9 + 6, the manifold's matrix: velocity and spin by force and torque, in the frame
+    B_U, B_V,  # 4 + 4, places of the points
+    B_GAP,  # 4, separations at the start of the step
+    B_INVERSE,  # 10, inverse of the softened matrix of the normals, upper triangle
+    B_SOFT,  # 4, compliance of the normals
+    B_BETA,  # push-out rate, 1/s
+    B_FRICTION,  # 6, D K_P D
+    B_FRICTION_INVERSE,  # 6, its inverse
+    B_CENTER,  # 2, centre of pressure in the plane
+    B_TORQUE,  # T_m, torque of pure spinning per mu N, m
+    B_SURFACE,  # 4, coefficients of the limit surface
+    B_MU_S, B_MU_D,
+    B_RIGID,  # 1 / K_nn at the centre of pressure: the load that would stop the closing that is left
+    B_LEFT,  # closing speed that the soft contact left at the centre of pressure, m/s
+    B_BELT,  # 3, slip that the surfaces have by themselves: u, v, T_m times spin
+    B_LOAD,  # 4, normal impulses
+    B_PULL,  # 3, friction: impulse along u and v, torque impulse about n at the centre of pressure over T_m
+    B_STATE, B_OVER,
+    B_TOTAL_LOAD, B_TOTAL_PULL,  # 4 + 3, sums over the step
+    B_CLOSING,  # 4, closing speeds just before the points were first loaded in this step, m/s
+    B_MOST,  # 4, largest loads of the step
+    B_SLIP,  # 3, slip at the end of the last substep
+    B_WORK,  # what friction has taken in this step, J
+    B_FRESH,  # 1 for a manifold that is new in this step
+    B_RESTITUTION,
+    FIELDS,
+) = _starts(
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 4, 3, 1, 1, 4, 3, 4, 4, 3, 1, 1, 1
+)  # fmt: skip
+
+# --- rows of bodies ---------------------------------------------------------------------------------------------------
+
+ROW_V, ROW_W, ROW_D, ROW_TURN, ROW_WIDTH = 0, 4, 8, 12, 16
+"""Columns of a body's row: velocity, spin, displacement and rotation vector since the step began."""
+
+AUX_OLD_V, AUX_OLD_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WIDTH = 0, 4, 8, 17, 18, 24
+"""Columns beside it: velocities at the start of the substep; rotation matrix (9), inverse mass, and the upper triangle
+of the inverse inertia in world axes."""
+
+POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_BELT, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
+"""Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far any
+of its points can have gone since the world began, m: displacement + reach x rotation; its farthest point from the origin
+of its frame, m; how far it can come towards another body in this step, m; 1 if its surface moves by itself."""
+
+
+class Soft(NamedTuple):
+    """Arrays of the soft solver with room for n bodies, p pairs and as many manifolds in blocks."""
+
+    manifolds: np.ndarray  # (p + 1, MANIFOLD_WIDTH), row 0 is nobody's: what pads a block
+    meta: np.ndarray  # (p + 1, META_WIDTH) float64
+    reports: np.ndarray  # (p + 1, REPORT_WIDTH)
+    blocks: np.ndarray  # (blocks x FIELDS, 8)
+    index: np.ndarray  # (3 x blocks, 8) int32: row of body a, of body b, and of the manifold, a lane
+    rows: np.ndarray  # (n + 1, ROW_WIDTH)
+    aux: np.ndarray  # (n + 1, AUX_WIDTH)
+    pose: np.ndarray  # (n + 1, POSE_WIDTH) float64
+
+
+def make_soft(n: int, p: int, dtype: type = np.float32) -> Soft:
+    """Zeroed arrays; each colour may leave a block that is partly filled, hence the room for more."""
+    blocks = p // LANES + 64 + p // 16
+    return Soft(
+        manifolds=np.zeros((p + 1, MANIFOLD_WIDTH), dtype),
+        meta=np.zeros((p + 1, META_WIDTH)),
+        reports=np.zeros((p + 1, REPORT_WIDTH), dtype),
+        blocks=np.zeros((blocks * FIELDS, LANES), dtype),
+        index=np.zeros((3 * blocks, LANES), np.int32),
+        rows=np.zeros((n + 1, ROW_WIDTH), dtype),
+        aux=np.zeros((n + 1, AUX_WIDTH), dtype),
+        pose=np.zeros((n + 1, POSE_WIDTH)),
+    )

@@ -1,0 +1,379 @@
+"""One time step of the soft solver, as a table of contents; the entry kernel that Python calls."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stiction.core import soft_rows as s
+from stiction.core.clock import lap, start_clock
+from stiction.core.collide.narrow import pair_contacts
+from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
+from stiction.core.jit import entry, jit
+from stiction.core.ledger import note_edits, total_energy
+from stiction.core.manifolds import clear_manifold, is_kept, margin_of, refresh_manifold, take_points
+from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, touch_body, update_pairs
+from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
+from stiction.core.soft_bodies import (
+    GLIDES,
+    NO_GLIDE,
+    ROLLS,
+    begin_body,
+    finish_contact,
+    finish_free,
+    move_rows,
+    row_is_finite,
+)
+from stiction.core.solve.blocks import prepare_block
+from stiction.core.solve.restitution import bounce_block
+from stiction.core.solve.soft import softness, solve_block, store_blocks, warm_block
+from stiction.core.state import (
+    ASLEEP,
+    CONTACT_WIDTH,
+    DYNAMIC,
+    EDITS,
+    FRICTION,
+    IMPACTS,
+    INITIAL,
+    LAST,
+    MECHANICAL,
+    MOBILITY,
+    NUMERICAL,
+    POSITION,
+    ROLLING_LOSS,
+    SCRATCH,
+    STATIC,
+    TAGS_WIDTH,
+    WORK,
+    V,
+)
+from stiction.core.vec import Vec3, dot, length, mat33, vec3
+
+DONE, MORE_PAIRS, MORE_BLOCKS, BLOWN_UP = 0, 1, 2, 3
+"""Why :func:`soft_step` returned."""
+
+AWAKE, TOUCHING, MOVING, MARK, USED, GLIDE, EDITED, GROUP, RESTLESS, BODY_LISTS = range(10)
+"""Rows of the lists of bodies: those awake; those in contact; those of them that move; marks; scratch; how they move;
+those that were changed from outside; two more of scratch."""
+
+UNDECIDED, WOKE_SOME = -1, -1
+
+N_AWAKE, N_ACTIVE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, COUNTS = range(8)
+"""Entries of the counts: bodies awake, active manifolds, bodies changed from outside, bodies seen before; whether the list
+of those awake is out of date; steps so far; whether bodies that sleep may have been changed without a word."""
+
+
+class Scratch(NamedTuple):
+    """Lists of the soft step for n bodies and p pairs."""
+
+    bodies: np.ndarray  # (BODY_LISTS, n) int64
+    active: np.ndarray  # (p, 4) int64: a, b, slot, colour of the manifolds with points
+    normals: np.ndarray  # (n, 3) of the plane in which a body glides
+    counts: np.ndarray  # (COUNTS + 2 (COLOURS + 1),) int64, then sizes and starts of the colours
+    contacts: np.ndarray  # scratch of one pair
+    tags: np.ndarray
+    points: np.ndarray
+
+
+def make_scratch(n: int, p: int, colours: int) -> Scratch:
+    """Room for n bodies and p pairs."""
+    scratch = Scratch(
+        bodies=np.zeros((BODY_LISTS, n), np.int64),
+        active=np.zeros((p, 4), np.int64),
+        normals=np.zeros((n, 3)),
+        counts=np.zeros(COUNTS + 2 * (colours + 1), np.int64),
+        contacts=np.zeros((8, CONTACT_WIDTH)),
+        tags=np.zeros((8, TAGS_WIDTH), np.int64),
+        points=np.zeros((SCRATCH, 5)),
+    )
+    scratch.counts[STALE] = 1
+    return scratch
+
+
+@entry
+def soft_step(
+    steps, bodies, kinds, n, tree, cache, soft, scratch, table, settings, ledger, profile, boxes_meet, hulls, bounces
+):  # fmt: skip
+    """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason).
+
+    When there is no room for a step's pairs or blocks it returns before that step has changed a body's state, with the
+    room that is needed; when a body would no longer be finite, with that body, and all bodies as they were before.
+    """
+    gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
+    g, dt = length(gravity), settings.dt
+    h = dt / settings.substeps
+    lists = scratch.bodies
+    note_edits(bodies, n, gravity, ledger)
+    take_edits(bodies, kinds, n, cache, soft.pose, soft.rows, soft.aux, lists, scratch.counts, gravity, g, dt, h)
+    for done in range(steps):
+        start_clock(profile)
+        active = WOKE_SOME
+        while active == WOKE_SOME:
+            awake = list_awake(kinds, n, lists, scratch.counts)
+            begin_bodies(bodies, kinds, lists[AWAKE], awake, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
+            lap(profile, 0)
+            pairs = update_pairs(tree, cache, bodies, kinds, lists[AWAKE], awake, dt)
+            if pairs > cache.pairs.shape[0]:
+                close_soft_ledger(bodies, n, gravity, ledger)
+                return MORE_PAIRS, done, pairs
+            for k in range(cache.counts[BEGUN]):
+                clear_manifold(soft.manifolds, soft.meta, cache.begun[k, SLOT] + 1)
+            lap(profile, 1)
+            slow = 3.0 * g * h
+            active = find_manifolds(
+                bodies, kinds, n, cache.pairs, pairs, soft, scratch, table, slow, boxes_meet, hulls
+            )
+            lap(profile, 2)
+        scratch.counts[N_ACTIVE] = active
+        blocks = arrange_blocks(kinds, soft, scratch, active, n)
+        if blocks * s.FIELDS > soft.blocks.shape[0]:
+            close_soft_ledger(bodies, n, gravity, ledger)
+            return MORE_BLOCKS, done, blocks
+        touching = list_touching(
+            kinds, soft.manifolds, soft.meta, soft.pose, scratch.active, active, lists, scratch.normals
+        )
+
+        moving = list_moving(kinds, scratch, touching)
+        lap(profile, 3)
+        solve(soft, scratch, blocks, moving, h, settings, profile, bounces)
+
+        bad = first_bad_row(soft.rows, lists[MOVING], moving)
+        if bad >= 0:
+            close_soft_ledger(bodies, n, gravity, ledger)
+            return BLOWN_UP, done, bad
+        ledger[FRICTION] += store_blocks(soft.blocks, soft.index, blocks, soft.manifolds, soft.reports)
+        lap(profile, 7)
+        finish_bodies(bodies, kinds, lists, awake, touching, soft.pose, soft.rows, gravity, dt, ledger)
+        scratch.counts[STEP] += 1
+        if settings.sleeping and scratch.counts[STEP] % PERIOD == 0:
+            scratch.counts[STALE] |= 0 < put_to_sleep(
+                bodies, kinds, lists[AWAKE], awake, scratch.active, active, soft.manifolds, soft.pose, lists[GROUP],
+                lists[RESTLESS],
+            )  # fmt: skip
+        lap(profile, 8)
+    close_soft_ledger(bodies, n, gravity, ledger)
+    return DONE, steps, 0
+
+
+@jit
+def close_soft_ledger(bodies, n, gravity, ledger):
+    """Enter what is left after work and friction: what impacts took, or what the integrator made."""
+    kinetic, potential = total_energy(bodies, n, gravity)
+    entered = ledger[INITIAL] + ledger[WORK] + ledger[EDITS] + ledger[NUMERICAL]
+    entered -= ledger[FRICTION] + ledger[ROLLING_LOSS] + ledger[IMPACTS]
+    gained = kinetic + potential - entered
+    if gained < 0.0:
+        ledger[IMPACTS] -= gained
+    else:
+        ledger[NUMERICAL] += gained
+    ledger[MECHANICAL] = kinetic + potential
+
+
+@jit
+def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity, g, dt, h):
+    """Look at bodies that were added or changed from outside since the last call, and wake what they are part of.
+
+    Where views of the state have been handed out, bodies that sleep or never move are compared with what they were.
+    """
+    for i in range(counts[N_KNOWN], n):
+        lists[EDITED, counts[N_EDITED]] = i
+        counts[N_EDITED] += 1
+    counts[N_KNOWN] = n
+    if counts[WATCHED]:
+        for i in range(n):
+            if (kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]) and was_changed(bodies, i):
+                if counts[N_EDITED] < n:
+                    lists[EDITED, counts[N_EDITED]] = i
+                    counts[N_EDITED] += 1
+    for k in range(counts[N_EDITED]):
+        i = lists[EDITED, k]
+        wake_island(bodies, kinds, n, i)
+        # whatever rests on it has to notice
+        for j in range(cache.counts[PAIRS]):
+            a, b = cache.pairs[j, PAIR_A], cache.pairs[j, PAIR_B]
+            if a == i or b == i:
+                wake_island(bodies, kinds, n, a)
+                wake_island(bodies, kinds, n, b)
+                pose[i + 1, s.POSE_MOTION] += 1.0  # its manifolds are looked for anew
+        begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h)
+        for c in range(7):
+            bodies[i, LAST + c] = bodies[i, POSITION + c]
+        for c in range(6):
+            bodies[i, LAST + 7 + c] = bodies[i, V + c]
+        touch_body(cache, i)
+        counts[STALE] = 1
+    counts[N_EDITED] = 0
+
+
+@jit
+def was_changed(bodies, i):
+    """Whether position, orientation or velocities of body i are not those that were kept."""
+    for c in range(7):
+        if bodies[i, LAST + c] != bodies[i, POSITION + c]:
+            return True
+    for c in range(6):
+        if bodies[i, LAST + 7 + c] != bodies[i, V + c]:
+            return True
+    return False
+
+
+@jit
+def list_awake(kinds, n, lists, counts):
+    """List the bodies that take part: dynamic ones that do not sleep, and kinematic ones; returns their number."""
+    if counts[STALE]:
+        count = 0
+        for i in range(n):
+            if kinds[i, MOBILITY] != STATIC and not kinds[i, ASLEEP]:
+                lists[AWAKE, count] = i
+                count += 1
+        counts[N_AWAKE] = count
+        counts[STALE] = 0
+    return counts[N_AWAKE]
+
+
+@jit
+def begin_bodies(bodies, kinds, awake, count, pose, rows, aux, gravity, g, dt, h):
+    """Poses, bounds and solver rows of the bodies that are awake.
+
+    Here and below the loops take the arrays that they need one by one: an array that is taken out of a tuple inside a
+    loop costs two atomic operations on its reference count each time.
+    """
+    for k in range(count):
+        begin_body(bodies, kinds, awake[k], pose, rows, aux, gravity, g, dt, h)
+
+
+@jit
+def is_awake(kinds, i):
+    """Whether contacts of body i have to be solved on its account."""
+    return kinds[i, MOBILITY] == DYNAMIC and not kinds[i, ASLEEP]
+
+
+@jit
+def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, boxes_meet, hulls):
+    """Bring the manifolds of all pairs up to date, and list those with points; returns their number.
+
+    Where a body that is awake touches one that sleeps, the latter's island wakes, and WOKE_SOME is returned: then the
+    step has to begin anew.
+    """
+    count, woke = 0, False
+    contacts, tags, points, active = scratch.contacts, scratch.tags, scratch.points, scratch.active
+    manifolds, meta, pose = soft.manifolds, soft.meta, soft.pose
+    for k in range(npairs):
+        a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
+        if not (is_awake(kinds, a) or is_awake(kinds, b)):
+            continue
+        if not is_kept(kinds, a, b, pose, meta, row):
+            margin = 1.5 * margin_of(pose, kinds, a, b)
+            found = pair_contacts(bodies, kinds, a, b, margin, contacts, tags, 0, points, boxes_meet, hulls)
+            take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contacts, tags, found, table, slow)
+        if meta[row, s.POINTS] > 0.0:
+            if kinds[a, ASLEEP] or kinds[b, ASLEEP]:
+                wake_island(bodies, kinds, n, a if kinds[a, ASLEEP] else b)
+                woke = True
+            refresh_manifold(bodies, a, b, manifolds, meta, pose, row)
+            active[count, 0], active[count, 1], active[count, 2] = a, b, row - 1
+            count += 1
+    if woke:
+        scratch.counts[STALE] = 1
+        return WOKE_SOME
+    return count
+
+
+@jit
+def arrange_blocks(kinds, soft, scratch, active, n):
+    """Colour the active manifolds and put them into blocks of eight; returns the number of blocks."""
+    counts = scratch.counts
+    sizes, starts = counts[COUNTS : COUNTS + COLOURS + 1], counts[COUNTS + COLOURS + 1 :]
+    blocks = colour_manifolds(scratch.active, active, kinds, scratch.bodies[USED], sizes)
+    if 3 * blocks <= soft.index.shape[0] and blocks * s.FIELDS <= soft.blocks.shape[0]:
+        fill_blocks(scratch.active, active, sizes, starts, soft.index, blocks)
+    return blocks
+
+
+@jit
+def list_touching(kinds, manifolds, meta, pose, active, count, lists, normals):
+    """List the bodies in contact, and decide which of them glide; returns their number."""
+    touching = 0
+    for k in range(count):
+        row = active[k, 2] + 1
+        load = manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1] + manifolds[row, s.LOAD + 2]
+        counts = load + manifolds[row, s.LOAD + 3] + manifolds[row, s.FRESH] > 0.0
+        kind = NO_GLIDE
+        n = Vec3(0.0, 0.0, 0.0)
+        if meta[row, s.POINTS] == 1.0 or manifolds[row, s.STATE] == s.SLIDING:
+            kind = ROLLS if meta[row, s.POINTS] == 1.0 else GLIDES
+            n = mat33(pose, active[k, 0] + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
+        for side in range(2):
+            i = active[k, side]
+            if lists[MARK, i] == 0:
+                lists[MARK, i] = 1
+                lists[TOUCHING, touching] = i
+                lists[GLIDE, i] = UNDECIDED
+                touching += 1
+            if not counts or kinds[i, MOBILITY] != DYNAMIC or lists[GLIDE, i] == NO_GLIDE:
+                continue
+            if lists[GLIDE, i] == UNDECIDED:
+                normals[i, 0], normals[i, 1], normals[i, 2] = n.x, n.y, n.z
+                lists[GLIDE, i] = kind
+            elif lists[GLIDE, i] != kind or abs(n.x * normals[i, 0] + n.y * normals[i, 1] + n.z * normals[i, 2]) < 0.999:
+                lists[GLIDE, i] = NO_GLIDE
+    return touching
+
+
+@jit
+def list_moving(kinds, scratch, touching):
+    """List those of the bodies in contact that move; returns their number."""
+    lists, moving = scratch.bodies, 0
+    for k in range(touching):
+        i = lists[TOUCHING, k]
+        if lists[GLIDE, i] == UNDECIDED:
+            lists[GLIDE, i] = NO_GLIDE
+        if kinds[i, MOBILITY] != STATIC:
+            lists[MOVING, moving] = i
+            moving += 1
+    return moving
+
+
+@jit
+def solve(soft, scratch, count, moving, h, settings, profile, bounces):
+    """Prepare, warm start, all substeps, and bounces in worlds that have them (``bounces`` is None elsewhere)."""
+    blocks, index, manifolds, rows, aux = soft.blocks, soft.index, soft.manifolds, soft.rows, soft.aux
+    movers, glide, normals = scratch.bodies[MOVING], scratch.bodies[GLIDE], scratch.normals
+    beta, compliance, beta_stiff, compliance_stiff = softness(h)
+    for i in range(count):
+        prepare_block(i, blocks, index, count, manifolds, aux, beta, compliance, beta_stiff, compliance_stiff)
+    for i in range(count):
+        warm_block(i, blocks, index, count, rows)
+    lap(profile, 4)
+    for substep in range(settings.substeps):
+        for i in range(count):
+            solve_block(i, blocks, index, count, rows, h, substep == 0)
+        lap(profile, 5)
+        move_rows(movers, moving, glide, normals, rows, aux, h, substep == settings.substeps - 1)
+        lap(profile, 6)
+    if bounces is not None:
+        for i in range(count):
+            bounce_block(i, blocks, index, count, rows, settings.threshold)
+
+
+@jit
+def first_bad_row(rows, movers, count):
+    """A body whose new state is not finite, or -1."""
+    for k in range(count):
+        if not row_is_finite(rows, movers[k] + 1):
+            return movers[k]
+    return -1
+
+
+@jit
+def finish_bodies(bodies, kinds, lists, awake, touching, pose, rows, gravity, dt, ledger):
+    """Move all bodies, those in contact as the solver says."""
+    for k in range(awake):
+        i = lists[AWAKE, k]
+        if lists[MARK, i]:
+            finish_contact(bodies, kinds, i, pose, rows, dt, ledger)
+        else:
+            finish_free(bodies, kinds, i, pose, gravity, dt, ledger)
+    for k in range(touching):
+        lists[MARK, lists[TOUCHING, k]] = 0

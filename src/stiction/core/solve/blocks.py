@@ -1,0 +1,258 @@
+"""From manifolds to blocks: what a pass needs of eight manifolds, computed once a step, eight at a time.
+
+The lecture's contact matrix K takes an impulse at a point to a change of velocity there. A manifold is a rigid patch:
+it has six directions, a force and a torque at its anchor, and its matrix is built of the same pieces, m^-1 1, S_r and
+I^-1 (``contact_space``):
+
+    K_vv = m^-1 1 - S_r I^-1 S_r,   K_wv = I^-1 S_r,   K_ww = I^-1,   summed over both bodies,
+
+in the axes (n, u, v) of the patch. Normal impulses and the friction of the patch are solved inside these 6 x 6 numbers,
+without touching the bodies in between.
+"""
+
+from __future__ import annotations
+
+from stiction.core import soft_rows as s
+from stiction.core.contact_space import inverse_mass_matrix, skew
+from stiction.core.friction.patch import Sym3, arm_of_pressure, inverse_sym, surface_of
+from stiction.core.jit import jit
+from stiction.core.lanes import gather, greatest, least, load, select, splat, sqrt, store
+from stiction.core.solve.normals import Four, Sym4, inverse_of_points, point_matrix
+from stiction.core.vec import Mat33, Vec3, columns, cross, dot, transpose
+
+POINT_TORQUE = 1e-4
+"""A patch whose mean arm is below this part of the size of its points' spread is a point."""
+TINY = 1e-18
+
+
+@jit
+def get3(blocks, k):
+    """Three neighbouring vectors of a block as a Vec3 of lanes."""
+    return Vec3(load(blocks, k), load(blocks, k + 1), load(blocks, k + 2))
+
+
+@jit
+def get4(blocks, k):
+    """Four of them, one a point."""
+    return Four(load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3))
+
+
+@jit
+def get6(blocks, k):
+    """Six of them, a symmetric matrix."""
+    return Sym3(
+        load(blocks, k), load(blocks, k + 1), load(blocks, k + 2),
+        load(blocks, k + 3), load(blocks, k + 4), load(blocks, k + 5),
+    )  # fmt: skip
+
+
+@jit
+def put3(blocks, k, v):
+    """Store three lanes."""
+    store(blocks, k, v.x)
+    store(blocks, k + 1, v.y)
+    store(blocks, k + 2, v.z)
+
+
+@jit
+def put4(blocks, k, v):
+    """Store four lanes."""
+    store(blocks, k, v.a)
+    store(blocks, k + 1, v.b)
+    store(blocks, k + 2, v.c)
+    store(blocks, k + 3, v.d)
+
+
+@jit
+def put6(blocks, k, m):
+    """Store a symmetric matrix."""
+    store(blocks, k, m.xx)
+    store(blocks, k + 1, m.xy)
+    store(blocks, k + 2, m.xz)
+    store(blocks, k + 3, m.yy)
+    store(blocks, k + 4, m.yz)
+    store(blocks, k + 5, m.zz)
+
+
+@jit
+def put10(blocks, k, m):
+    """Store a symmetric matrix of four points."""
+    store(blocks, k, m.aa)
+    store(blocks, k + 1, m.ab)
+    store(blocks, k + 2, m.ac)
+    store(blocks, k + 3, m.ad)
+    store(blocks, k + 4, m.bb)
+    store(blocks, k + 5, m.bc)
+    store(blocks, k + 6, m.bd)
+    store(blocks, k + 7, m.cc)
+    store(blocks, k + 8, m.cd)
+    store(blocks, k + 9, m.dd)
+
+
+@jit
+def body_of(aux, index, i):
+    """Rotation matrix, inverse mass and inverse inertia (world) of the eight bodies in row i of ``index``."""
+    g, k = gather(aux, index, i, s.AUX_ROTATION), gather(aux, index, i, s.AUX_ROTATION + 8)
+    R = Mat33(g[0], g[1], g[2], g[3], g[4], g[5], g[6], g[7], k[0])
+    return R, k[1], Mat33(k[2], k[3], k[4], k[3], k[5], k[6], k[4], k[6], k[7])
+
+
+@jit
+def patch_matrix(mass, inertia, r):
+    """One body's share of the manifold's matrix: K_vv, K_wv and K_ww = I^-1, all in the frame of the patch."""
+    turn = inertia @ skew(r)
+    return inverse_mass_matrix(mass) + -(skew(r) @ turn), turn
+
+
+@jit
+def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stiff, soft_stiff):
+    """Fill block i. ``index`` rows i, i + count, i + 2 count name the bodies a, b and the manifolds of its lanes.
+
+    ``beta`` (1/s) and ``soft`` (compliance, a part of the point's own 1/m) of a contact between two bodies that can
+    move; the ``stiff`` ones where one of them cannot.
+    """
+    o = i * s.FIELDS
+    rows = i + 2 * count
+    Ra, ma, Ia = body_of(aux, index, i)
+    Rb, mb, Ib = body_of(aux, index, i + count)
+    ga = gather(manifolds, index, rows, s.NORMAL_A)
+    gb = gather(manifolds, index, rows, s.NORMAL_B)
+    gl = gather(manifolds, index, rows, s.GAP)
+    gp = gather(manifolds, index, rows, s.PLACE_U)
+    gf = gather(manifolds, index, rows, s.PULL)
+    gm = gather(manifolds, index, rows, s.M_U)
+    gx = gather(manifolds, index, rows, s.SHIFT)
+    gy = gather(manifolds, index, rows, s.ARM_B)
+
+    # the frame turns with a; b's copy of it says how far b has turned against a since the manifold was made
+    n, u = Ra @ Vec3(ga[0], ga[1], ga[2]), Ra @ Vec3(ga[3], ga[4], ga[5])
+    v = cross(n, u)
+    nb, ub = Rb @ Vec3(gb[0], gb[1], gb[2]), Rb @ Vec3(gb[3], gb[4], gb[5])
+    turned = (cross(n, nb) + cross(u, ub) + cross(v, cross(nb, ub))) * 0.5
+    B = columns(n, u, v)
+    C = transpose(B)
+    x, y = Four(gp[0], gp[1], gp[2], gp[3]), Four(gp[4], gp[5], gp[6], gp[7])
+    shift = dot(n, Vec3(gx[0], gx[1], gx[2]))
+    tilt_u, tilt_v = dot(turned, u), dot(turned, v)
+    put3(blocks, o + s.B_NORMAL, n)
+    put3(blocks, o + s.B_TANGENT, u)
+    put4(blocks, o + s.B_U, x)
+    put4(blocks, o + s.B_V, y)
+    put4(
+        blocks,
+        o + s.B_GAP,
+        Four(
+            gl[0] + shift + (tilt_u * y.a - tilt_v * x.a), gl[1] + shift + (tilt_u * y.b - tilt_v * x.b),
+            gl[2] + shift + (tilt_u * y.c - tilt_v * x.c), gl[3] + shift + (tilt_u * y.d - tilt_v * x.d),
+        ),
+    )  # fmt: skip
+
+    # the manifold's matrix
+    ra, rb = C @ Vec3(gx[3], gx[4], gx[5]), C @ Vec3(gy[0], gy[1], gy[2])
+    Ia, Ib = C @ Ia @ B, C @ Ib @ B
+    Ka, Ta = patch_matrix(ma, Ia, ra)
+    Kb, Tb = patch_matrix(mb, Ib, rb)
+    Kvv, Kwv, Kww = Ka + Kb, Ta + Tb, Ia + Ib
+    put3(blocks, o + s.B_ARM_A, ra)
+    put3(blocks, o + s.B_ARM_B, rb)
+    store(blocks, o + s.B_MASS_A, ma)
+    store(blocks, o + s.B_MASS_B, mb)
+    put6(blocks, o + s.B_INERTIA_A, Sym3(Ia.xx, Ia.xy, Ia.xz, Ia.yy, Ia.yz, Ia.zz))
+    put6(blocks, o + s.B_INERTIA_B, Sym3(Ib.xx, Ib.xy, Ib.xz, Ib.yy, Ib.yz, Ib.zz))
+    put6(blocks, o + s.B_KVV, Sym3(Kvv.xx, Kvv.xy, Kvv.xz, Kvv.yy, Kvv.yz, Kvv.zz))
+    put3(blocks, o + s.B_KWV, Vec3(Kwv.xx, Kwv.xy, Kwv.xz))
+    put3(blocks, o + s.B_KWV + 3, Vec3(Kwv.yx, Kwv.yy, Kwv.yz))
+    put3(blocks, o + s.B_KWV + 6, Vec3(Kwv.zx, Kwv.zy, Kwv.zz))
+    put6(blocks, o + s.B_KWW, Sym3(Kww.xx, Kww.xy, Kww.xz, Kww.yy, Kww.yz, Kww.zz))
+
+    # the normals' matrix, its compliance and its inverse
+    zero, one = splat(blocks, 0.0), splat(blocks, 1.0)
+    points = gm[6]
+    here = Four(
+        select(points > 0.5, one, zero), select(points > 1.5, one, zero), select(points > 2.5, one, zero),
+        select(points > 3.5, one, zero),
+    )  # fmt: skip
+    A = point_matrix((Kvv.xx, Kwv.yx, Kwv.zx, Kww.yy, Kww.yz, Kww.zz), x, y, here)
+    fixed = least(ma, mb) <= 0.0
+    ratio = select(fixed, soft_stiff, one * soft)
+    gamma = Four(A.aa * ratio, A.bb * ratio, A.cc * ratio, A.dd * ratio)
+    softened = Sym4(
+        A.aa + gamma.a, A.ab, A.ac, A.ad, A.bb + gamma.b, A.bc, A.bd, A.cc + gamma.c, A.cd, A.dd + gamma.d
+    )  # fmt: skip
+    put10(blocks, o + s.B_INVERSE, inverse_of_points(softened, here))
+    put4(blocks, o + s.B_SOFT, gamma)
+    store(blocks, o + s.B_BETA, select(fixed, beta_stiff, one * beta))
+
+    # the patch, from the loads of the last substep; an even load where there is none yet
+    lam = Four(gl[4] * here.a, gl[5] * here.b, gl[6] * here.c, gl[7] * here.d)
+    put4(blocks, o + s.B_LOAD, lam)
+    total = lam.a + lam.b + lam.c + lam.d
+    loaded = total > 0.0
+    w = Four(
+        select(loaded, lam.a, here.a), select(loaded, lam.b, here.b),
+        select(loaded, lam.c, here.c), select(loaded, lam.d, here.d),
+    )  # fmt: skip
+    share = 1.0 / greatest(w.a + w.b + w.c + w.d, TINY)
+    px = (w.a * x.a + w.b * x.b + w.c * x.c + w.d * x.d) * share
+    py = (w.a * y.a + w.b * y.b + w.c * y.c + w.d * y.d) * share
+    Cu = (w.a * (x.a - px) * (x.a - px) + w.b * (x.b - px) * (x.b - px) + w.c * (x.c - px) * (x.c - px)
+          + w.d * (x.d - px) * (x.d - px)) * share  # fmt: skip
+    Cv = (w.a * (y.a - py) * (y.a - py) + w.b * (y.b - py) * (y.b - py) + w.c * (y.c - py) * (y.c - py)
+          + w.d * (y.d - py) * (y.d - py)) * share  # fmt: skip
+    Mu, Mv = pressure_moment(Cu, gm[2], gm[0]), pressure_moment(Cv, gm[3], gm[1])
+    swapped = Mv > Mu
+    q, kappa = arm_of_pressure(select(swapped, Mv, Mu), select(swapped, Mu, Mv))
+    Tm = gm[4] * kappa * sqrt(Mu + Mv)
+    Tm = select(Tm * Tm > POINT_TORQUE * POINT_TORQUE * (gm[2] + gm[3]), Tm, zero)
+    Tm = sqrt(Tm * Tm + gf[4] * gf[4])
+    surface = surface_of(q, swapped, gm[5] > 0.5)
+    store(blocks, o + s.B_CENTER, px)
+    store(blocks, o + s.B_CENTER + 1, py)
+    store(blocks, o + s.B_TORQUE, Tm)
+    store(blocks, o + s.B_SURFACE, surface.au)
+    store(blocks, o + s.B_SURFACE + 1, surface.av)
+    store(blocks, o + s.B_SURFACE + 2, surface.bu)
+    store(blocks, o + s.B_SURFACE + 3, surface.bv)
+    store(blocks, o + s.B_MU_S, ga[6])
+    store(blocks, o + s.B_MU_D, ga[7])
+
+    # D K_P D: slip at P is v_u - y w_n, v_v + x w_n; a force there is also a torque x F_v - y F_u at the anchor
+    nu, nv, nn = Kwv.xy, Kwv.xz, Kww.xx
+    kuz, kvz = nu - py * nn, nv + px * nn
+    kuu = Kvv.yy - 2.0 * py * nu + py * py * nn
+    kuv = Kvv.yz + px * nu - py * nv - px * py * nn
+    kvv = Kvv.zz + 2.0 * px * nv + px * px * nn
+    friction = Sym3(kuu, kuv, kuz * Tm, kvv, kvz * Tm, nn * Tm * Tm + select(Tm > 0.0, zero, one))
+    put6(blocks, o + s.B_FRICTION, friction)
+    put6(blocks, o + s.B_FRICTION_INVERSE, inverse_sym(friction))
+    knn = Kvv.xx + 2.0 * (py * Kwv.yx - px * Kwv.zx) + py * py * Kww.yy - 2.0 * px * py * Kww.yz + px * px * Kww.zz
+    store(blocks, o + s.B_RIGID, 1.0 / greatest(knn, TINY))
+
+    pull = Vec3(gf[0], gf[1], gf[2])
+    fu, fv = dot(pull, u), dot(pull, v)
+    spin = gf[3] - (px * fv - py * fu)
+    put3(blocks, o + s.B_PULL, Vec3(fu, fv, select(Tm > 0.0, spin / greatest(Tm, TINY), zero)))
+    store(blocks, o + s.B_STATE, gb[6])
+    store(blocks, o + s.B_OVER, gb[7])
+    store(blocks, o + s.B_LEFT, gy[7])
+    belt = Vec3(gy[3], gy[4], gy[5])
+    put3(blocks, o + s.B_BELT, Vec3(dot(belt, u) - gy[6] * py, dot(belt, v) + gy[6] * px, gy[6] * Tm))
+    put4(blocks, o + s.B_TOTAL_LOAD, Four(zero, zero, zero, zero))
+    put3(blocks, o + s.B_TOTAL_PULL, Vec3(zero, zero, zero))
+    put4(blocks, o + s.B_MOST, Four(zero, zero, zero, zero))
+    store(blocks, o + s.B_WORK, zero)
+    store(blocks, o + s.B_FRESH, gm[7])
+    store(blocks, o + s.B_RESTITUTION, gf[7])
+    put4(blocks, o + s.B_CLOSING, Four(zero, zero, zero, zero))
+
+
+@jit
+def pressure_moment(C, C0, M0):
+    """Second moment of the pressure along one axis from that of the corner loads, C; C0 and M0 for an even load.
+
+    psi is exact for the no-tension linear pressure of a rectangle that is loaded along one axis (docs/design/patch.md).
+    """
+    nu = C / greatest(C0, TINY)
+    root = 1.0 - sqrt(greatest(1.0 - nu, 0.0))
+    psi = select(nu >= 8.0 / 9.0, 3.0 * nu - 2.0, 1.5 * root * root)
+    return greatest(least(M0 * psi, greatest(M0 / greatest(C0, TINY), 1.0 / 3.0) * C), 0.0)
