@@ -44,11 +44,14 @@ class SoftStore(Store):
             chunk = min(left, max(1, CHUNK // self.n))
             boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
             hulls = self.hulls.arrays if self.polytopes else None
-            bounces = 1 if table[:, :, state.RESTITUTION].any() else None
+            bounces = None
+            if table[:, :, state.RESTITUTION].any():
+                bounces = (self.contacts, self.tags, self._impact_lists(), self.report)
+            rolls = 1 if table[:, :, state.ROLLING].any() else None
             announce_compilation()
             reason, done, number = soft_step.soft_step(
                 chunk, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
-                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces,
+                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces, rolls,
             )  # fmt: skip
             self.steps += done
             left -= done
@@ -56,10 +59,18 @@ class SoftStore(Store):
                 self._grow(len(self.bodies), number + number // 4 + 16)
             elif reason == soft_step.MORE_BLOCKS:
                 self._grow(len(self.bodies), 2 * len(self.cache.pairs))
+            elif reason == soft_step.MORE_CONTACTS:
+                self._grow_contacts(number + number // 4 + 16)
             elif reason == soft_step.BLOWN_UP:
                 return StepFailure(number, self.steps)
         self.seconds += time.perf_counter() - began
         return None
+
+    def _impact_lists(self) -> state.Lists:
+        """Scratch of the impacts for as many bodies and contact rows as there is room for."""
+        if len(self.lists.group) < len(self.bodies) or len(self.lists.touching) < 2 * len(self.contacts):
+            self.lists = state.make_lists(len(self.bodies), len(self.contacts), 0)
+        return self.lists
 
     def edited(self, index: int) -> None:
         """Body ``index`` was changed from outside: it wakes with all that touch it."""
@@ -100,8 +111,10 @@ class SoftStore(Store):
         bodies, kinds = state.make_bodies(room)
         bodies[: self.n], kinds[: self.n] = self.bodies[: self.n], self.kinds[: self.n]
         self.bodies, self.kinds = bodies, kinds
-        self.lists = state.make_lists(0, 0, 0)
         self._grow(room, len(self.cache.pairs))
+
+    def _grow_contacts(self, room: int) -> None:
+        self.contacts, self.tags = state.make_contacts(room)
 
     def _grow(self, bodies: int, pairs: int) -> None:
         """The same state with room for more."""

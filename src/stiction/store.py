@@ -57,6 +57,7 @@ class Store:
             self.bodies[i, column : column + len(numbers)] = numbers
         self.bodies[i, state.LAST : state.LAST + 7] = self.bodies[i, state.POSITION : state.POSITION + 7]
         self.bodies[i, state.LAST + 7 : state.LAST + 13] = self.bodies[i, state.V : state.V + 6]
+        self.bodies[i, state.V_START : state.V_START + 6] = self.bodies[i, state.V : state.V + 6]
         self.kinds[i, :3] = shape, mobility, material
         self.kinds[i, state.LAYER], self.kinds[i, state.MASK] = 1, -1
         size = self.bodies[i, state.SIZE : state.SIZE + 3]

@@ -30,7 +30,7 @@ def random_bodies(rng: np.random.Generator, n: int, planes: int = 2) -> tuple[Ar
             bodies[i, state.SIZE] = rng.uniform(0.1, 0.5)
         else:
             bodies[i, state.SIZE : state.SIZE + 3] = rng.uniform(0.1, 0.5, size=3)
-        kinds[i] = shape, mobility, 0
+        kinds[i, :3] = shape, mobility, 0
         bodies[i, state.INVERSE_MASS] = mobility == state.DYNAMIC
         bodies[i, state.POSITION : state.POSITION + 3] = np.round(rng.uniform(-size, size, size=3), 1)
         bodies[i, state.ORIENTATION : state.ORIENTATION + 4] = random_unit(rng, 4)

@@ -53,7 +53,7 @@ class Lanes:
         return self._with(np.subtract, other)
 
     def __mul__(self, other):
-        return self._with(np.multiply, other)
+        return NotImplemented if isinstance(other, tuple) else self._with(np.multiply, other)  # lanes * Vec3 is Vec3's
 
     def __truediv__(self, other):
         return self._with(np.divide, other)

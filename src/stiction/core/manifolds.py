@@ -20,7 +20,9 @@ from stiction.core.jit import jit
 from stiction.core.state import (
     DYNAMIC_MU,
     FEATURE,
+    KINEMATIC,
     MATERIAL,
+    MOBILITY,
     NORMAL,
     PLANE,
     POINT,
@@ -31,6 +33,8 @@ from stiction.core.state import (
     STATIC_MU,
     SURFACE,
     TORSIONAL,
+    V_START,
+    W_START,
     V,
     W,
 )
@@ -174,15 +178,25 @@ def take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contact
     if fresh:
         spread = math.sqrt(manifolds[row, s.C_U] + manifolds[row, s.C_V])
         ra, rb = center - xa, center - xb
-        wa, wb = vec3(bodies, a, W), vec3(bodies, b, W)
-        slip = vec3(bodies, a, V) + cross(wa, ra) - vec3(bodies, b, V) - cross(wb, rb) + belt_velocity(bodies, pose, a, b)
+        va, wa = velocity_before(bodies, kinds, a)
+        vb, wb = velocity_before(bodies, kinds, b)
+        slip = va + cross(wa, ra) - vb - cross(wb, rb) + belt_velocity(bodies, pose, a, b)
         slip = slip - n * dot(n, slip)
         fast = length(slip) + spread * abs(dot(wa - wb, n)) > slow
         manifolds[row, s.STATE] = s.SLIDING if fast else s.STUCK
         manifolds[row, s.OVER] = 0.0
         manifolds[row, s.SPIN] = 0.0
         manifolds[row, s.LEFT] = 0.0
+        manifolds[row, s.ROLL] = manifolds[row, s.ROLL + 1] = 0.0
         put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
+
+
+@jit
+def velocity_before(bodies, kinds, i):
+    """Velocities of body i as the step begins; a kinematic one takes up those it has been told in the course of it."""
+    if kinds[i, MOBILITY] == KINEMATIC:
+        return vec3(bodies, i, V_START), vec3(bodies, i, W_START)
+    return vec3(bodies, i, V), vec3(bodies, i, W)
 
 
 @jit

@@ -23,6 +23,7 @@ from stiction.core.state import (
     INERTIA,
     INVERSE_INERTIA,
     INVERSE_MASS,
+    KINEMATIC,
     MOBILITY,
     ORIENTATION,
     PLANE,
@@ -32,6 +33,8 @@ from stiction.core.state import (
     SHAPE,
     SURFACE,
     TORQUE,
+    V_START,
+    W_START,
     WORK,
     V,
     W,
@@ -50,8 +53,9 @@ from stiction.core.vec import (
     vec3,
 )
 
-NO_GLIDE, GLIDES, ROLLS = 0, 1, 2
-"""How a body in contact moves within a substep: with its new velocity; along one plane with the mean; also turning so."""
+NO_GLIDE, GLIDES, ROLLS, FALLS = range(4)
+"""How a body in contact moves within a substep: with its new velocity; along one plane with the mean; also turning so; or,
+if its contacts carry nothing yet, with the mean of what gravity and forces do."""
 
 
 @jit
@@ -88,8 +92,14 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
         put_vec3(aux, r, s.AUX_INERTIA, Vec3(I.xx, I.xy, I.xz))
         put_vec3(aux, r, s.AUX_INERTIA + 3, Vec3(I.yy, I.yz, I.zz))
     else:
-        put_vec3(rows, r, s.ROW_V, v)
-        put_vec3(rows, r, s.ROW_W, w)
+        # a kinematic body that is told another velocity takes it over in the course of the step, for contacts only:
+        # in one substep it would ask friction for many times the force
+        part = h / dt if kinds[i, MOBILITY] == KINEMATIC else 1.0
+        new_v, new_w = v, w
+        if kinds[i, MOBILITY] == KINEMATIC:
+            v, w = vec3(bodies, i, V_START), vec3(bodies, i, W_START)
+        put_vec3(rows, r, s.ROW_V, v + (new_v - v) * part)
+        put_vec3(rows, r, s.ROW_W, w + (new_w - w) * part)
         for k in range(s.AUX_MASS, s.AUX_WIDTH):
             aux[r, k] = 0.0
     put_vec3(aux, r, s.AUX_OLD_V, v)
@@ -107,7 +117,10 @@ def move_rows(moving, count, glide, normals, rows, aux, h, last):
         r = i + 1
         new, old = load_part(rows, r, s.ROW_V), load_part(aux, r, s.AUX_OLD_V)
         store_part(rows, r, s.ROW_D, load_part(rows, r, s.ROW_D) + new * h)
-        if glide[i] != NO_GLIDE:
+        if glide[i] == FALLS:
+            a = Vec3(normals[i, 0], normals[i, 1], normals[i, 2])
+            put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) - a * (0.5 * h * h))
+        elif glide[i] != NO_GLIDE:
             n = Vec3(normals[i, 0], normals[i, 1], normals[i, 2])
             dv = _wide(vec3(aux, r, s.AUX_OLD_V) - vec3(rows, r, s.ROW_V))
             dw = _wide(vec3(aux, r, s.AUX_OLD_W) - vec3(rows, r, s.ROW_W))
@@ -135,15 +148,14 @@ def _wide(v):
 
 
 @jit
-def finish_contact(bodies, kinds, i, pose, rows, dt, ledger):
-    """Take velocities and displacement of a body in contact over from its row."""
+def finish_contact(bodies, i, pose, rows, dt, ledger):
+    """Take velocities and displacement of a dynamic body in contact over from its row."""
     r = i + 1
-    if kinds[i, MOBILITY] == DYNAMIC:
-        v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
-        v1, w1 = _wide(vec3(rows, r, s.ROW_V)), _wide(vec3(rows, r, s.ROW_W))
-        put_vec3(bodies, i, V, v1)
-        put_vec3(bodies, i, W, w1)
-        enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
+    v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
+    v1, w1 = _wide(vec3(rows, r, s.ROW_V)), _wide(vec3(rows, r, s.ROW_W))
+    put_vec3(bodies, i, V, v1)
+    put_vec3(bodies, i, W, w1)
+    enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
     _go(bodies, i, pose, _wide(vec3(rows, r, s.ROW_D)), _wide(vec3(rows, r, s.ROW_TURN)), dt)
 
 
@@ -161,6 +173,9 @@ def finish_free(bodies, kinds, i, pose, gravity, dt, ledger):
         put_vec3(bodies, i, V, v1)
         put_vec3(bodies, i, W, w1)
         enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
+    else:
+        put_vec3(bodies, i, V_START, v0)
+        put_vec3(bodies, i, W_START, w0)
     _go(bodies, i, pose, (v0 + v1) * (0.5 * dt), (w0 + w1) * (0.5 * dt), dt)
 
 

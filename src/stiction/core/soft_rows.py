@@ -34,10 +34,10 @@ def _starts(*widths: int) -> list[int]:
     PLACE_U, PLACE_V,  # 4 + 4: where the points are in the plane, from the anchor, m
     PULL, SPIN, TORSIONAL, ROLLING, STIFF, RESTITUTION,  # friction impulse (world, N s) and torque about n at the anchor
     M_U, M_V, C_U, C_V, ARM, ROUND_CAP, COUNT, FRESH,  # second moments of the patch and of its points, m^2; mean arm
-    SHIFT, ARM_A, TOTAL_SPIN, WORK_DONE,  # of b against a since the manifold was made; anchor from a's centre of mass, m
+    SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, torque impulse
     ARM_B, BELT, BELT_SPIN, LEFT,  # anchor from b's centre of mass, m; velocity of the surface of a less that of b, world, m/s
     MANIFOLD_WIDTH,
-) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3, 3, 1, 1, 3, 3, 1, 1)  # fmt: skip
+) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3, 3, 2, 3, 3, 1, 1)  # fmt: skip
 
 STUCK, SLIDING = 0.0, 1.0
 """States of a manifold: its static or its dynamic coefficient holds."""
@@ -62,6 +62,7 @@ the anchor in the axes of a and of b, from their centres of mass, m."""
     B_U, B_V,  # 4 + 4, places of the points
     B_GAP,  # 4, separations at the start of the step
     B_INVERSE,  # 10, inverse of the softened matrix of the normals, upper triangle
+    B_INVERSE_STUCK,  # 10, the same where friction answers by sticking
     B_SOFT,  # 4, compliance of the normals
     B_BETA,  # push-out rate, 1/s
     B_FRICTION,  # 6, D K_P D
@@ -77,15 +78,13 @@ the anchor in the axes of a and of b, from their centres of mass, m."""
     B_PULL,  # 3, friction: impulse along u and v, torque impulse about n at the centre of pressure over T_m
     B_STATE, B_OVER,
     B_TOTAL_LOAD, B_TOTAL_PULL,  # 4 + 3, sums over the step
-    B_CLOSING,  # 4, closing speeds just before the points were first loaded in this step, m/s
-    B_MOST,  # 4, largest loads of the step
     B_SLIP,  # 3, slip at the end of the last substep
     B_WORK,  # what friction has taken in this step, J
     B_FRESH,  # 1 for a manifold that is new in this step
-    B_RESTITUTION,
+    B_ROLLING, B_ROLL,  # length of rolling resistance, m; its torque impulse about u and v, 2
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 4, 3, 1, 1, 4, 3, 4, 4, 3, 1, 1, 1
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 4, 3, 1, 1, 4, 3, 3, 1, 1, 1, 2
 )  # fmt: skip
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------

@@ -16,6 +16,7 @@ from stiction.core.manifolds import clear_manifold, is_kept, margin_of, refresh_
 from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
+    FALLS,
     GLIDES,
     NO_GLIDE,
     ROLLS,
@@ -26,16 +27,18 @@ from stiction.core.soft_bodies import (
     row_is_finite,
 )
 from stiction.core.solve.blocks import prepare_block
-from stiction.core.solve.restitution import bounce_block
-from stiction.core.solve.soft import softness, solve_block, store_blocks, warm_block
+from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
+from stiction.core.solve.soft import COLD_PASSES, NEAR, has_fresh, softness, solve_block, store_blocks, warm_block
 from stiction.core.state import (
     ASLEEP,
     CONTACT_WIDTH,
     DYNAMIC,
     EDITS,
+    FORCE,
     FRICTION,
     IMPACTS,
     INITIAL,
+    INVERSE_MASS,
     LAST,
     MECHANICAL,
     MOBILITY,
@@ -48,9 +51,9 @@ from stiction.core.state import (
     WORK,
     V,
 )
-from stiction.core.vec import Vec3, dot, length, mat33, vec3
+from stiction.core.vec import Vec3, length, mat33, vec3
 
-DONE, MORE_PAIRS, MORE_BLOCKS, BLOWN_UP = 0, 1, 2, 3
+DONE, MORE_PAIRS, MORE_BLOCKS, BLOWN_UP, MORE_CONTACTS = range(5)
 """Why :func:`soft_step` returned."""
 
 AWAKE, TOUCHING, MOVING, MARK, USED, GLIDE, EDITED, GROUP, RESTLESS, BODY_LISTS = range(10)
@@ -69,7 +72,7 @@ class Scratch(NamedTuple):
 
     bodies: np.ndarray  # (BODY_LISTS, n) int64
     active: np.ndarray  # (p, 4) int64: a, b, slot, colour of the manifolds with points
-    normals: np.ndarray  # (n, 3) of the plane in which a body glides
+    normals: np.ndarray  # (n, 3) of the plane in which a body glides, or the acceleration with which it falls
     counts: np.ndarray  # (COUNTS + 2 (COLOURS + 1),) int64, then sizes and starts of the colours
     contacts: np.ndarray  # scratch of one pair
     tags: np.ndarray
@@ -93,7 +96,7 @@ def make_scratch(n: int, p: int, colours: int) -> Scratch:
 
 @entry
 def soft_step(
-    steps, bodies, kinds, n, tree, cache, soft, scratch, table, settings, ledger, profile, boxes_meet, hulls, bounces
+    steps, bodies, kinds, n, tree, cache, soft, scratch, table, settings, ledger, profile, boxes_meet, hulls, bounces, rolls
 ):  # fmt: skip
     """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason).
 
@@ -126,6 +129,20 @@ def soft_step(
             )
             lap(profile, 2)
         scratch.counts[N_ACTIVE] = active
+        impacts = 0
+        if bounces is not None:
+            contacts, tags, impact_lists, report = bounces
+            impacts = collect_impacts(
+                bodies, scratch.active, active, soft.manifolds, soft.meta, soft.pose, contacts, tags, settings, g
+            )
+            if impacts > contacts.shape[0]:
+                close_soft_ledger(bodies, n, gravity, ledger)
+                return MORE_CONTACTS, done, impacts
+            if impacts > 0:
+                bounce(
+                    bodies, kinds, n, table, contacts, tags, impacts, impact_lists, settings, ledger, report, gravity
+                )
+                begin_bodies(bodies, kinds, lists[AWAKE], awake, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
         blocks = arrange_blocks(kinds, soft, scratch, active, n)
         if blocks * s.FIELDS > soft.blocks.shape[0]:
             close_soft_ledger(bodies, n, gravity, ledger)
@@ -134,15 +151,17 @@ def soft_step(
             kinds, soft.manifolds, soft.meta, soft.pose, scratch.active, active, lists, scratch.normals
         )
 
-        moving = list_moving(kinds, scratch, touching)
+        moving = list_moving(bodies, kinds, lists, scratch.normals, touching, gravity)
         lap(profile, 3)
-        solve(soft, scratch, blocks, moving, h, settings, profile, bounces)
+        solve(soft, scratch, blocks, moving, h, settings.substeps, profile, rolls)
 
         bad = first_bad_row(soft.rows, lists[MOVING], moving)
         if bad >= 0:
             close_soft_ledger(bodies, n, gravity, ledger)
             return BLOWN_UP, done, bad
         ledger[FRICTION] += store_blocks(soft.blocks, soft.index, blocks, soft.manifolds, soft.reports)
+        if bounces is not None:
+            report_bounces(bounces[0], bounces[1], impacts, soft.reports)
         lap(profile, 7)
         finish_bodies(bodies, kinds, lists, awake, touching, soft.pose, soft.rows, gravity, dt, ledger)
         scratch.counts[STEP] += 1
@@ -186,16 +205,21 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
                 if counts[N_EDITED] < n:
                     lists[EDITED, counts[N_EDITED]] = i
                     counts[N_EDITED] += 1
-    for k in range(counts[N_EDITED]):
-        i = lists[EDITED, k]
-        wake_island(bodies, kinds, n, i)
-        # whatever rests on it has to notice
+    if counts[N_EDITED] > 0:
+        # whatever touches a body that was changed has to notice
+        for i in range(n):
+            lists[RESTLESS, i] = 0
+        for k in range(counts[N_EDITED]):
+            lists[RESTLESS, lists[EDITED, k]] = 1
+            wake_island(bodies, kinds, n, lists[EDITED, k])
         for j in range(cache.counts[PAIRS]):
             a, b = cache.pairs[j, PAIR_A], cache.pairs[j, PAIR_B]
-            if a == i or b == i:
+            if lists[RESTLESS, a] or lists[RESTLESS, b]:
                 wake_island(bodies, kinds, n, a)
                 wake_island(bodies, kinds, n, b)
-                pose[i + 1, s.POSE_MOTION] += 1.0  # its manifolds are looked for anew
+    for k in range(counts[N_EDITED]):
+        i = lists[EDITED, k]
+        pose[i + 1, s.POSE_MOTION] += 1.0  # its manifolds are looked for anew
         begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h)
         for c in range(7):
             bodies[i, LAST + c] = bodies[i, POSITION + c]
@@ -298,7 +322,8 @@ def list_touching(kinds, manifolds, meta, pose, active, count, lists, normals):
     for k in range(count):
         row = active[k, 2] + 1
         load = manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1] + manifolds[row, s.LOAD + 2]
-        counts = load + manifolds[row, s.LOAD + 3] + manifolds[row, s.FRESH] > 0.0
+        counts = load + manifolds[row, s.LOAD + 3] > 0.0
+        counts |= manifolds[row, s.FRESH] > 0.0 and manifolds[row, s.GAP] < NEAR
         kind = NO_GLIDE
         n = Vec3(0.0, 0.0, 0.0)
         if meta[row, s.POINTS] == 1.0 or manifolds[row, s.STATE] == s.SLIDING:
@@ -322,13 +347,17 @@ def list_touching(kinds, manifolds, meta, pose, active, count, lists, normals):
 
 
 @jit
-def list_moving(kinds, scratch, touching):
-    """List those of the bodies in contact that move; returns their number."""
-    lists, moving = scratch.bodies, 0
+def list_moving(bodies, kinds, lists, normals, touching, gravity):
+    """List those of the bodies in contact that move; returns their number. One that nothing holds yet falls."""
+    moving = 0
     for k in range(touching):
         i = lists[TOUCHING, k]
         if lists[GLIDE, i] == UNDECIDED:
             lists[GLIDE, i] = NO_GLIDE
+            if kinds[i, MOBILITY] == DYNAMIC:
+                a = gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS]
+                normals[i, 0], normals[i, 1], normals[i, 2] = a.x, a.y, a.z
+                lists[GLIDE, i] = FALLS
         if kinds[i, MOBILITY] != STATIC:
             lists[MOVING, moving] = i
             moving += 1
@@ -336,8 +365,8 @@ def list_moving(kinds, scratch, touching):
 
 
 @jit
-def solve(soft, scratch, count, moving, h, settings, profile, bounces):
-    """Prepare, warm start, all substeps, and bounces in worlds that have them (``bounces`` is None elsewhere)."""
+def solve(soft, scratch, count, moving, h, substeps, profile, rolls):
+    """Prepare, warm start, cold passes for what is new, and all substeps."""
     blocks, index, manifolds, rows, aux = soft.blocks, soft.index, soft.manifolds, soft.rows, soft.aux
     movers, glide, normals = scratch.bodies[MOVING], scratch.bodies[GLIDE], scratch.normals
     beta, compliance, beta_stiff, compliance_stiff = softness(h)
@@ -345,16 +374,17 @@ def solve(soft, scratch, count, moving, h, settings, profile, bounces):
         prepare_block(i, blocks, index, count, manifolds, aux, beta, compliance, beta_stiff, compliance_stiff)
     for i in range(count):
         warm_block(i, blocks, index, count, rows)
+    for _ in range(COLD_PASSES):
+        for i in range(count):
+            if has_fresh(blocks, i):
+                solve_block(i, blocks, index, count, rows, h, True, rolls)
     lap(profile, 4)
-    for substep in range(settings.substeps):
+    for substep in range(substeps):
         for i in range(count):
-            solve_block(i, blocks, index, count, rows, h, substep == 0)
+            solve_block(i, blocks, index, count, rows, h, False, rolls)
         lap(profile, 5)
-        move_rows(movers, moving, glide, normals, rows, aux, h, substep == settings.substeps - 1)
+        move_rows(movers, moving, glide, normals, rows, aux, h, substep == substeps - 1)
         lap(profile, 6)
-    if bounces is not None:
-        for i in range(count):
-            bounce_block(i, blocks, index, count, rows, settings.threshold)
 
 
 @jit
@@ -371,8 +401,8 @@ def finish_bodies(bodies, kinds, lists, awake, touching, pose, rows, gravity, dt
     """Move all bodies, those in contact as the solver says."""
     for k in range(awake):
         i = lists[AWAKE, k]
-        if lists[MARK, i]:
-            finish_contact(bodies, kinds, i, pose, rows, dt, ledger)
+        if lists[MARK, i] and kinds[i, MOBILITY] == DYNAMIC:
+            finish_contact(bodies, i, pose, rows, dt, ledger)
         else:
             finish_free(bodies, kinds, i, pose, gravity, dt, ledger)
     for k in range(touching):

@@ -105,6 +105,20 @@ def patch_matrix(mass, inertia, r):
 
 
 @jit
+def full(m):
+    """A full matrix from its upper triangle."""
+    return Mat33(m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz)
+
+
+@jit
+def soften(A, gamma):
+    """A with compliance on its diagonal."""
+    return Sym4(
+        A.aa + gamma.a, A.ab, A.ac, A.ad, A.bb + gamma.b, A.bc, A.bd, A.cc + gamma.c, A.cd, A.dd + gamma.d
+    )  # fmt: skip
+
+
+@jit
 def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stiff, soft_stiff):
     """Fill block i. ``index`` rows i, i + count, i + 2 count name the bodies a, b and the manifolds of its lanes.
 
@@ -172,14 +186,12 @@ def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stif
         select(points > 0.5, one, zero), select(points > 1.5, one, zero), select(points > 2.5, one, zero),
         select(points > 3.5, one, zero),
     )  # fmt: skip
-    A = point_matrix((Kvv.xx, Kwv.yx, Kwv.zx, Kww.yy, Kww.yz, Kww.zz), x, y, here)
+    normal_part = (Kvv.xx, Kwv.yx, Kwv.zx, Kww.yy, Kww.yz, Kww.zz)
+    A = point_matrix(normal_part, x, y, here)
     fixed = least(ma, mb) <= 0.0
     ratio = select(fixed, soft_stiff, one * soft)
     gamma = Four(A.aa * ratio, A.bb * ratio, A.cc * ratio, A.dd * ratio)
-    softened = Sym4(
-        A.aa + gamma.a, A.ab, A.ac, A.ad, A.bb + gamma.b, A.bc, A.bd, A.cc + gamma.c, A.cd, A.dd + gamma.d
-    )  # fmt: skip
-    put10(blocks, o + s.B_INVERSE, inverse_of_points(softened, here))
+    put10(blocks, o + s.B_INVERSE, inverse_of_points(soften(A, gamma), here))
     put4(blocks, o + s.B_SOFT, gamma)
     store(blocks, o + s.B_BETA, select(fixed, beta_stiff, one * beta))
 
@@ -204,7 +216,8 @@ def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stif
     q, kappa = arm_of_pressure(select(swapped, Mv, Mu), select(swapped, Mu, Mv))
     Tm = gm[4] * kappa * sqrt(Mu + Mv)
     Tm = select(Tm * Tm > POINT_TORQUE * POINT_TORQUE * (gm[2] + gm[3]), Tm, zero)
-    Tm = sqrt(Tm * Tm + gf[4] * gf[4])
+    torsional = gf[4] / greatest(ga[7], 1e-6)
+    Tm = sqrt(Tm * Tm + torsional * torsional)
     surface = surface_of(q, swapped, gm[5] > 0.5)
     store(blocks, o + s.B_CENTER, px)
     store(blocks, o + s.B_CENTER + 1, py)
@@ -224,7 +237,21 @@ def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stif
     kvv = Kvv.zz + 2.0 * px * nv + px * px * nn
     friction = Sym3(kuu, kuv, kuz * Tm, kvv, kvz * Tm, nn * Tm * Tm + select(Tm > 0.0, zero, one))
     put6(blocks, o + s.B_FRICTION, friction)
-    put6(blocks, o + s.B_FRICTION_INVERSE, inverse_sym(friction))
+    inverse = inverse_sym(friction)
+    put6(blocks, o + s.B_FRICTION_INVERSE, inverse)
+    # what the normals meet when friction answers by sticking: K_n - H F^-1 H^T, with H the closing and the tilting that a
+    # friction impulse brings along
+    H = Mat33(
+        Kvv.xy - py * Kwv.xx, Kvv.xz + px * Kwv.xx, Kwv.xx * Tm,
+        Kwv.yy - py * Kww.xy, Kwv.yz + px * Kww.xy, Kww.xy * Tm,
+        Kwv.zy - py * Kww.xz, Kwv.zz + px * Kww.xz, Kww.xz * Tm,
+    )  # fmt: skip
+    X = H @ full(inverse) @ transpose(H)
+    stuck_part = (
+        Kvv.xx - X.xx, Kwv.yx - X.xy, Kwv.zx - X.xz, Kww.yy - X.yy, Kww.yz - X.yz, Kww.zz - X.zz
+    )  # fmt: skip
+    stuck = point_matrix(stuck_part, x, y, here)
+    put10(blocks, o + s.B_INVERSE_STUCK, inverse_of_points(soften(stuck, gamma), here))
     knn = Kvv.xx + 2.0 * (py * Kwv.yx - px * Kwv.zx) + py * py * Kww.yy - 2.0 * px * py * Kww.yz + px * px * Kww.zz
     store(blocks, o + s.B_RIGID, 1.0 / greatest(knn, TINY))
 
@@ -239,11 +266,11 @@ def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stif
     put3(blocks, o + s.B_BELT, Vec3(dot(belt, u) - gy[6] * py, dot(belt, v) + gy[6] * px, gy[6] * Tm))
     put4(blocks, o + s.B_TOTAL_LOAD, Four(zero, zero, zero, zero))
     put3(blocks, o + s.B_TOTAL_PULL, Vec3(zero, zero, zero))
-    put4(blocks, o + s.B_MOST, Four(zero, zero, zero, zero))
     store(blocks, o + s.B_WORK, zero)
     store(blocks, o + s.B_FRESH, gm[7])
-    store(blocks, o + s.B_RESTITUTION, gf[7])
-    put4(blocks, o + s.B_CLOSING, Four(zero, zero, zero, zero))
+    store(blocks, o + s.B_ROLLING, gf[5])
+    store(blocks, o + s.B_ROLL, gx[6])
+    store(blocks, o + s.B_ROLL + 1, gx[7])
 
 
 @jit

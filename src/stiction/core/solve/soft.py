@@ -16,16 +16,19 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.friction.patch import Surface, level, slide, times
+from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, least, load, scatter, select, size_of, splat, store
+from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, least, load, scatter, select, size_of, store
 from stiction.core.solve.blocks import get3, get4, get6, put3, put4
 from stiction.core.solve.normals import Four, Sym4, lowest, non_negative, times4
-from stiction.core.vec import Mat33, Vec3, columns, cross, dot, put_vec3, transpose
+from stiction.core.vec import Vec3, columns, cross, dot, put_vec3, transpose
 
 SUBSTEPS = 8
-SWEEPS, FRESH_SWEEPS = 2, 12
-"""Alternations of normals and friction within a manifold; more in the first substep of a new one, which has nothing to
-start from and would break away by the error that is left."""
+SWEEPS = 2
+"""Alternations of normals and friction within a manifold, where they are not solved together."""
+COLD_PASSES = 8
+"""Passes over new manifolds before the first substep: they have nothing to start from, and would break away by the error
+that is left."""
 STIFFNESS = 0.65
 """omega h of a contact between two bodies that can move; twice that where one of them cannot."""
 DAMPING = 20.0
@@ -37,7 +40,7 @@ GRACE = 1.3
 that have not converged make the limit a noisy one."""
 PATIENCE = 3.0
 OVERLOAD = 1.25
-"""Phi above which it lets go at once."""
+"""Phi above which it lets go at once: beyond the limit by an eighth of it."""
 ENOUGH = 1e-6
 """m/s, error of the normals that ends the sweeps."""
 NEAR = 1e-4
@@ -63,9 +66,40 @@ def frame_of(blocks, o):
 
 
 @jit
-def symmetric(m):
-    """A full matrix from its upper triangle."""
-    return Mat33(m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz)
+def get10(blocks, k):
+    """A symmetric matrix of four points."""
+    return Sym4(
+        load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3), load(blocks, k + 4),
+        load(blocks, k + 5), load(blocks, k + 6), load(blocks, k + 7), load(blocks, k + 8), load(blocks, k + 9),
+    )  # fmt: skip
+
+
+@jit
+def choose4(mask, a, b):
+    """Of a and b, lane by lane."""
+    return Four(select(mask, a.a, b.a), select(mask, a.b, b.b), select(mask, a.c, b.c), select(mask, a.d, b.d))
+
+
+@jit
+def choose3(mask, a, b):
+    """Of a and b, lane by lane."""
+    return Vec3(select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z))
+
+
+@jit
+def choose10(mask, a, b):
+    """Of a and b, lane by lane."""
+    return Sym4(
+        select(mask, a.aa, b.aa), select(mask, a.ab, b.ab), select(mask, a.ac, b.ac), select(mask, a.ad, b.ad),
+        select(mask, a.bb, b.bb), select(mask, a.bc, b.bc), select(mask, a.bd, b.bd), select(mask, a.cc, b.cc),
+        select(mask, a.cd, b.cd), select(mask, a.dd, b.dd),
+    )  # fmt: skip
+
+
+@jit
+def unit_of(limit, pull):
+    """1 / limit; a limit of nearly nothing must not make numbers whose sixth power is out of range."""
+    return 1.0 / greatest(limit, 1e-4 * (size_of(pull.x) + size_of(pull.y) + size_of(pull.z)) + 1e-30)
 
 
 @jit
@@ -108,15 +142,19 @@ def warm_block(i, blocks, index, count, rows):
     force = Vec3(lam.a + lam.b + lam.c + lam.d, pull.x, pull.y)
     torque = Vec3(
         pull.z * load(blocks, o + s.B_TORQUE) + px * pull.y - py * pull.x,
-        y.a * lam.a + y.b * lam.b + y.c * lam.c + y.d * lam.d,
-        -(x.a * lam.a + x.b * lam.b + x.c * lam.c + x.d * lam.d),
+        y.a * lam.a + y.b * lam.b + y.c * lam.c + y.d * lam.d + load(blocks, o + s.B_ROLL),
+        -(x.a * lam.a + x.b * lam.b + x.c * lam.c + x.d * lam.d) + load(blocks, o + s.B_ROLL + 1),
     )
     push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque)
 
 
 @jit
-def solve_block(i, blocks, index, count, rows, h, first):
-    """One pass over block i: normals, then friction, twice over; in the first substep new manifolds go on alone."""
+def solve_block(i, blocks, index, count, rows, h, cold, rolls):
+    """One pass over block i: normals, then friction, twice over.
+
+    In a ``cold`` pass only manifolds that are new take part, and it counts for nothing but the impulses. ``rolls`` is None
+    in worlds without rolling resistance.
+    """
     o = i * s.FIELDS
     B = frame_of(blocks, o)
     C = transpose(B)
@@ -142,16 +180,8 @@ def solve_block(i, blocks, index, count, rows, h, first):
     )  # fmt: skip
     near = lowest(gap) < NEAR
 
-    keep_closing(blocks, o, x, y, v, w)
     Kvv, Kww = get6(blocks, o + s.B_KVV), get6(blocks, o + s.B_KWW)
     k1, k2, k3 = get3(blocks, o + s.B_KWV), get3(blocks, o + s.B_KWV + 3), get3(blocks, o + s.B_KWV + 6)
-    inverse = Sym4(
-        load(blocks, o + s.B_INVERSE), load(blocks, o + s.B_INVERSE + 1), load(blocks, o + s.B_INVERSE + 2),
-        load(blocks, o + s.B_INVERSE + 3), load(blocks, o + s.B_INVERSE + 4), load(blocks, o + s.B_INVERSE + 5),
-        load(blocks, o + s.B_INVERSE + 6), load(blocks, o + s.B_INVERSE + 7), load(blocks, o + s.B_INVERSE + 8),
-        load(blocks, o + s.B_INVERSE + 9),
-    )  # fmt: skip
-    gamma = get4(blocks, o + s.B_SOFT)
     px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
     F, Fi = get6(blocks, o + s.B_FRICTION), get6(blocks, o + s.B_FRICTION_INVERSE)
     surface = Surface(
@@ -160,44 +190,54 @@ def solve_block(i, blocks, index, count, rows, h, first):
     )  # fmt: skip
     mu_s, mu_d = load(blocks, o + s.B_MU_S), load(blocks, o + s.B_MU_D)
     rigid, left0 = load(blocks, o + s.B_RIGID), load(blocks, o + s.B_LEFT)
-    left = left0
     belt = get3(blocks, o + s.B_BELT)
     lam0, pull0 = get4(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL)
-    state = load(blocks, o + s.B_STATE)
-    sliding = state > 0.5
-    mu = select(sliding, mu_d, mu_s * GRACE)
-    lam, pull = lam0, pull0
-    limit = splat(blocks, 0.0)
-    inside = sliding
-    slip = belt
-    fresh = load(blocks, o + s.B_FRESH) > 0.5
-    sweeps = FRESH_SWEEPS if first and any_of(fresh) else SWEEPS
-    going = fresh | ~fresh
-    for sweep in range(sweeps):
+    roll_u0, roll_v0 = load(blocks, o + s.B_ROLL), load(blocks, o + s.B_ROLL + 1)
+    lam, pull, roll_u, roll_v, left = lam0, pull0, roll_u0, roll_v0, left0
+    gamma = get4(blocks, o + s.B_SOFT)
+    zero = left0 - left0
+    # a gap is closed by a rigid contact, for what a soft one leaves would become a penetration
+    gamma = Four(
+        select(gap.a > 0.0, zero, gamma.a), select(gap.b > 0.0, zero, gamma.b), select(gap.c > 0.0, zero, gamma.c),
+        select(gap.d > 0.0, zero, gamma.d),
+    )  # fmt: skip
+    sliding = load(blocks, o + s.B_STATE) > 0.5
+    going = load(blocks, o + s.B_FRESH) > 0.5
+    if not cold:
+        going = going | ~going
+    inside, N = sliding, zero
+
+    # Where friction can stick, the normals are told so: what they do to the slip will be answered by friction, and what
+    # that does to them is in the inverse already. So one sweep solves both; elsewhere they alternate.
+    slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt
+    answer = times(Fi, slip)
+    stick = pull + answer
+    limit = mu_s * GRACE * (lam.a + lam.b + lam.c + lam.d)
+    together = (level(stick * unit_of(limit, stick), surface) <= 1.0) & ~sliding
+    inverse = choose10(together, get10(blocks, o + s.B_INVERSE_STUCK), get10(blocks, o + s.B_INVERSE))
+    expected = answer * select(together, zero + 1.0, zero)
+    for sweep in range(SWEEPS):
         # normals: aim at a closing speed, less where the contact gives way
+        turning = Tm * expected.z + px * expected.y - py * expected.x
+        cn = v.x - (Kvv.xy * expected.x + Kvv.xz * expected.y + k1.x * turning)
+        wu = w.y - (k2.y * expected.x + k2.z * expected.y + Kww.xy * turning)
+        wv = w.z - (k3.y * expected.x + k3.z * expected.y + Kww.xz * turning)
         error = Four(
-            v.x + y.a * w.y - x.a * w.z - aim.a - gamma.a * lam.a,
-            v.x + y.b * w.y - x.b * w.z - aim.b - gamma.b * lam.b,
-            v.x + y.c * w.y - x.c * w.z - aim.c - gamma.c * lam.c,
-            v.x + y.d * w.y - x.d * w.z - aim.d - gamma.d * lam.d,
+            cn + y.a * wu - x.a * wv - aim.a - gamma.a * lam.a, cn + y.b * wu - x.b * wv - aim.b - gamma.b * lam.b,
+            cn + y.c * wu - x.c * wv - aim.c - gamma.c * lam.c, cn + y.d * wu - x.d * wv - aim.d - gamma.d * lam.d,
         )  # fmt: skip
         if sweep > 0:
             # which lanes go on must not depend on what else is in their block: the others are masked
             going = going & (has_error(error.a, lam.a) | has_error(error.b, lam.b) | has_error(error.c, lam.c)
                              | has_error(error.d, lam.d))  # fmt: skip
-            if sweep >= SWEEPS:
-                going = going & fresh
             if not any_of(going):
                 break
         wanted = times4(inverse, error)
         new = Four(lam.a + wanted.a, lam.b + wanted.b, lam.c + wanted.c, lam.d + wanted.d)
         if any_of(lowest(new) < 0.0):
             new = non_negative(new, inverse)
-        if sweep > 0:
-            new = Four(
-                select(going, new.a, lam.a), select(going, new.b, lam.b), select(going, new.c, lam.c),
-                select(going, new.d, lam.d),
-            )  # fmt: skip
+        if cold or sweep > 0:
+            new = choose4(going, new, lam)
         da, db, dc, dd = new.a - lam.a, new.b - lam.b, new.c - lam.c, new.d - lam.d
         N = da + db + dc + dd
         Tu = y.a * da + y.b * db + y.c * dc + y.d * dd
@@ -212,30 +252,27 @@ def solve_block(i, blocks, index, count, rows, h, first):
         )  # fmt: skip
         lam = new
 
-        # friction: its load is that of a rigid contact, which would have stopped the closing that the soft one lets grow
-        N = lam.a + lam.b + lam.c + lam.d
-        left = v.x + py * w.y - px * w.z
-        N = select(near, greatest(N + (left - left0) * rigid, 0.0), N)
+        # friction
         slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt
-        limit = mu * N
-        stick = pull + times(Fi, slip)
-        # a load of nearly nothing must not make numbers whose sixth power is out of range
-        unit = 1.0 / greatest(limit, 1e-4 * (size_of(stick.x) + size_of(stick.y) + size_of(stick.z)) + 1e-30)
-        g = stick * unit
-        inside = level(g, surface) <= 1.0
+        answer = times(Fi, slip)
+        stick = pull + answer
+        # its load is that of a rigid contact, which would have stopped the closing that the soft one lets grow
+        turning = Tm * answer.z + px * answer.y - py * answer.x
+        stuck_left = v.x - (Kvv.xy * answer.x + Kvv.xz * answer.y + k1.x * turning)
+        left = select(sliding, v.x, stuck_left) + py * w.y - px * w.z
+        N = lam.a + lam.b + lam.c + lam.d
+        N = select(near, greatest(N + (left - left0) * rigid, 0.0), N)
+        if not cold:
+            sliding = sliding | (going & (level(stick * unit_of(mu_s * N, stick), surface) > OVERLOAD))
+        limit = select(sliding, mu_d, mu_s * GRACE) * N
+        unit = unit_of(limit, stick)
+        inside = level(stick * unit, surface) <= 1.0
         if not all_of(inside):
-            last = pull * unit
-            free = (slip + times(F, pull)) * unit
             # the problem divided by the limit: A = F, so numbers stay near one whatever the masses
-            g = slide(F, free, last, surface)
-            stick = Vec3(
-                select(inside, stick.x, g.x * limit), select(inside, stick.y, g.y * limit),
-                select(inside, stick.z, g.z * limit),
-            )  # fmt: skip
-        if sweep > 0:
-            stick = Vec3(
-                select(going, stick.x, pull.x), select(going, stick.y, pull.y), select(going, stick.z, pull.z)
-            )  # fmt: skip
+            g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface)
+            stick = choose3(inside, stick, g * limit)
+        if cold or sweep > 0:
+            stick = choose3(going, stick, pull)
         df = stick - pull
         Tn = Tm * df.z + px * df.y - py * df.x
         v = Vec3(
@@ -247,39 +284,41 @@ def solve_block(i, blocks, index, count, rows, h, first):
             w.z - (k3.y * df.x + k3.z * df.y + Kww.xz * Tn),
         )  # fmt: skip
         pull = stick
+        expected = expected * zero
+        if rolls is not None:
+            rolling_limit = (lam.a + lam.b + lam.c + lam.d) * load(blocks, o + s.B_ROLLING)
+            bu, bv = w.y + Kww.yy * roll_u + Kww.yz * roll_v, w.z + Kww.yz * roll_u + Kww.zz * roll_v
+            mu_u, mu_v = rolling_impulse(Kww.yy, Kww.yz, Kww.zz, bu, bv, rolling_limit)
+            if cold or sweep > 0:
+                mu_u, mu_v = select(going, mu_u, roll_u), select(going, mu_v, roll_v)
+            du, dv = mu_u - roll_u, mu_v - roll_v
+            v = Vec3(v.x - (k2.x * du + k3.x * dv), v.y - (k2.y * du + k3.y * dv), v.z - (k2.z * du + k3.z * dv))
+            w = Vec3(
+                w.x - (Kww.xy * du + Kww.xz * dv), w.y - (Kww.yy * du + Kww.yz * dv), w.z - (Kww.yz * du + Kww.zz * dv)
+            )  # fmt: skip
+            roll_u, roll_v = mu_u, mu_v
 
     put4(blocks, o + s.B_LOAD, lam)
     put3(blocks, o + s.B_PULL, pull)
-    store(blocks, o + s.B_LEFT, select(near, left, 0.0))
-    decide_state(blocks, o, state, inside, pull, limit * (mu_s / greatest(mu, 1e-30)), surface)
-    keep_sums(blocks, o, lam, pull, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt)
+    if rolls is not None:
+        store(blocks, o + s.B_ROLL, roll_u)
+        store(blocks, o + s.B_ROLL + 1, roll_v)
+        rolled = roll_u * w.y + roll_v * w.z
+        store(blocks, o + s.B_WORK, load(blocks, o + s.B_WORK) + rolled)
+    if not cold:
+        store(blocks, o + s.B_LEFT, select(near, left, 0.0))
+        decide_state(blocks, o, sliding, inside, pull, mu_s * N, surface)
+        keep_sums(blocks, o, lam, pull, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt)
 
     da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
     df = pull - pull0
     force = Vec3(da + db + dc + dd, df.x, df.y)
     torque = Vec3(
         Tm * df.z + px * df.y - py * df.x,
-        y.a * da + y.b * db + y.c * dc + y.d * dd,
-        -(x.a * da + x.b * db + x.c * dc + x.d * dd),
+        y.a * da + y.b * db + y.c * dc + y.d * dd + (roll_u - roll_u0),
+        -(x.a * da + x.b * db + x.c * dc + x.d * dd) + (roll_v - roll_v0),
     )
     push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque)
-
-
-@jit
-def keep_closing(blocks, o, x, y, v, w):
-    """Remember how fast points close as long as they have not been loaded in this step."""
-    if any_of(load(blocks, o + s.B_RESTITUTION) > 0.0):
-        most, closing = get4(blocks, o + s.B_MOST), get4(blocks, o + s.B_CLOSING)
-        put4(
-            blocks,
-            o + s.B_CLOSING,
-            Four(
-                select(most.a > 0.0, closing.a, v.x + y.a * w.y - x.a * w.z),
-                select(most.b > 0.0, closing.b, v.x + y.b * w.y - x.b * w.z),
-                select(most.c > 0.0, closing.c, v.x + y.c * w.y - x.c * w.z),
-                select(most.d > 0.0, closing.d, v.x + y.d * w.y - x.d * w.z),
-            ),
-        )  # fmt: skip
 
 
 @jit
@@ -295,35 +334,34 @@ def allowed(gap, beta, h):
 
 
 @jit
-def decide_state(blocks, o, state, inside, pull, limit, surface):
+def decide_state(blocks, o, sliding, inside, pull, limit, surface):
     """Stuck or sliding, from the whole patch: stuck until force and torque together exceed the static limit surface for
     a few substeps running, sliding until the dynamic one would not be reached.
     """
     over = load(blocks, o + s.B_OVER)
     zero = over - over
-    unit = 1.0 / greatest(limit, 1e-4 * (size_of(pull.x) + size_of(pull.y) + size_of(pull.z)) + 1e-30)
-    excess = level(pull * unit, surface)
-    over = select(excess > 1.0, over + 1.0, zero)
-    lets_go = (over >= PATIENCE) | (excess > OVERLOAD)
-    state = select(state > 0.5, select(inside, zero, zero + 1.0), select(lets_go, zero + 1.0, zero))
+    unit = unit_of(limit, pull)
+    over = select(level(pull * unit, surface) > 1.0, over + 1.0, zero)
+    state = select(sliding, select(inside, zero, zero + 1.0), select(over >= PATIENCE, zero + 1.0, zero))
     store(blocks, o + s.B_STATE, state)
     store(blocks, o + s.B_OVER, select(state > 0.5, zero, over))
 
 
 @jit
 def keep_sums(blocks, o, lam, pull, slip):
-    """Impulses of the step so far, the largest load, and what friction took: its impulse times the mean slip."""
-    total, most = get4(blocks, o + s.B_TOTAL_LOAD), get4(blocks, o + s.B_MOST)
+    """Impulses of the step so far, and what friction took: its impulse times the mean slip."""
+    total = get4(blocks, o + s.B_TOTAL_LOAD)
     put4(blocks, o + s.B_TOTAL_LOAD, Four(total.a + lam.a, total.b + lam.b, total.c + lam.c, total.d + lam.d))
-    put4(
-        blocks,
-        o + s.B_MOST,
-        Four(greatest(most.a, lam.a), greatest(most.b, lam.b), greatest(most.c, lam.c), greatest(most.d, lam.d)),
-    )
     put3(blocks, o + s.B_TOTAL_PULL, get3(blocks, o + s.B_TOTAL_PULL) + pull)
     before = get3(blocks, o + s.B_SLIP)
     store(blocks, o + s.B_WORK, load(blocks, o + s.B_WORK) + dot(pull, before + slip) * 0.5)
     put3(blocks, o + s.B_SLIP, slip)
+
+
+@jit
+def has_fresh(blocks, i):
+    """Whether a manifold of block i is new in this step."""
+    return any_of(load(blocks, i * s.FIELDS + s.B_FRESH) > 0.5)
 
 
 @jit
@@ -360,6 +398,7 @@ def store_lane(blocks, o, lane, manifolds, reports, row):
     put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
     reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * arm + px * fv - py * fu
     manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
+    manifolds[row, s.ROLL], manifolds[row, s.ROLL + 1] = blocks[o + s.B_ROLL, lane], blocks[o + s.B_ROLL + 1, lane]
     manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
     manifolds[row, s.FRESH] = 0.0
     return float(blocks[o + s.B_WORK, lane])

@@ -1,0 +1,76 @@
+"""Impacts that bounce, before the forces of a step: those of the lecture's solver, on the points of the manifolds.
+
+Soft contacts cannot bounce by themselves: what they push out is damped away. So collisions with restitution are taken as
+in ``micro``: in waves, the worst first, with Coulomb friction, never with more energy after than before. They cost
+nothing in a step in which no point closes fast enough.
+"""
+
+from __future__ import annotations
+
+from stiction.core import soft_rows as s
+from stiction.core.contact_rows import prepare_bodies, prepare_contacts
+from stiction.core.jit import jit
+from stiction.core.solve.impacts import resolve_impacts
+from stiction.core.state import (
+    BODY_A,
+    BODY_B,
+    FEATURE,
+    NORMAL,
+    POINT,
+    SEPARATION,
+    TOTAL,
+    TOTAL_FRICTION,
+    V,
+    W,
+)
+from stiction.core.vec import cross, dot, mat33, put_vec3, vec3
+
+
+@jit
+def collect_impacts(bodies, active, count, manifolds, meta, pose, contacts, tags, settings, g):
+    """Rows of all points that may bounce, if any of them is about to; returns how many, which may exceed the room."""
+    about_to = False
+    found = 0
+    for k in range(count):
+        a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
+        if manifolds[row, s.RESTITUTION] <= 0.0:
+            continue
+        xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
+        Ra = mat33(pose, a + 1, s.POSE_ROTATION)
+        n, u = Ra @ vec3(manifolds, row, s.NORMAL_A) * 1.0, Ra @ vec3(manifolds, row, s.TANGENT_A) * 1.0
+        v = cross(n, u)
+        shift = dot(n, vec3(manifolds, row, s.SHIFT) * 1.0)
+        center = xa + vec3(manifolds, row, s.ARM_A) * 1.0 + n * (0.5 * shift)
+        for j in range(int(meta[row, s.POINTS])):
+            p = center + u * manifolds[row, s.PLACE_U + j] + v * manifolds[row, s.PLACE_V + j]
+            gap = manifolds[row, s.GAP + j] + shift
+            va = vec3(bodies, a, V) + cross(vec3(bodies, a, W), p - xa)
+            vb = vec3(bodies, b, V) + cross(vec3(bodies, b, W), p - xb)
+            closing = dot(n, va - vb)
+            about_to |= closing > settings.threshold and gap <= settings.dt * (closing + g * settings.dt)
+            if found < contacts.shape[0]:
+                tags[found, BODY_A], tags[found, BODY_B], tags[found, FEATURE] = a, b, 4 * row + j
+                put_vec3(contacts, found, POINT, p)
+                put_vec3(contacts, found, NORMAL, n)
+                contacts[found, SEPARATION] = gap
+            found += 1
+    return found if about_to else 0
+
+
+@jit
+def bounce(bodies, kinds, n, table, contacts, tags, m, lists, settings, ledger, report, gravity):
+    """Resolve the impacts among m contact rows: velocities of the bodies change, nothing else."""
+    order, pairs, first, touching, tree, group, gain, last_ledger, last_report, points = lists
+    prepare_bodies(bodies, n)
+    prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n)
+    resolve_impacts(bodies, n, contacts, tags, m, first, touching, tree, group, gain, settings, ledger, report, gravity)
+
+
+@jit
+def report_bounces(contacts, tags, m, reports):
+    """Add the impulses of the impacts to the reports of their manifolds."""
+    for c in range(m):
+        row, point = tags[c, FEATURE] >> 2, tags[c, FEATURE] & 3
+        reports[row, s.TOTAL_LOAD + point] += contacts[c, TOTAL]
+        for k in range(3):
+            reports[row, s.TOTAL_PULL + k] += contacts[c, TOTAL_FRICTION + k]

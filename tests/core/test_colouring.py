@@ -1,0 +1,127 @@
+"""Colours of manifolds and blocks of eight: no two lanes of a block write the same body."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stiction.core import state
+from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
+from stiction.core.lanes import LANES
+
+from .support import Array, compiled
+
+Pairs = list[tuple[int, int]]
+
+
+class Coloured:
+    """What the two kernels make of pairs of bodies."""
+
+    def __init__(self, pairs: Pairs, mobility: Any) -> None:
+        m, n = len(pairs), len(mobility)
+        kinds = state.make_bodies(n)[1]
+        kinds[:, state.MOBILITY] = mobility
+        self.active = np.zeros((max(m, 1), 4), np.int64)
+        for k, (a, b) in enumerate(pairs):
+            self.active[k, :3] = a, b, 100 + k
+        sizes, starts = np.full(COLOURS + 1, -7), np.full(COLOURS + 1, -7)
+        used = np.full(n, -7)  # scratch, whatever was in it
+        self.blocks = int(compiled(colour_manifolds)(self.active, m, kinds, used, sizes))
+        self.index = np.full((3 * self.blocks + 1, LANES), -7, np.int32)
+        compiled(fill_blocks)(self.active, m, sizes, starts, self.index, self.blocks)
+        assert (self.index[3 * self.blocks :] == -7).all()
+        self.colours: Array = self.active[:m, 3]
+        self.sizes = sizes
+
+    def rows(self) -> list[list[tuple[int, int, int]]]:
+        """(a, b, slot) of the lanes of each block, counted from 1, padding left out."""
+        i = self.index[: 3 * self.blocks].reshape(3, self.blocks, LANES)
+        return [[tuple(i[:, k, lane]) for lane in range(LANES) if i[2, k, lane]] for k in range(self.blocks)]
+
+
+def random_pairs(rng: np.random.Generator, n: int, m: int) -> Pairs:
+    """m different pairs of n bodies, sorted as the pairs of a step are."""
+    pairs: set[tuple[int, int]] = set()
+    while len(pairs) < m:
+        a, b = sorted(rng.choice(n, size=2, replace=False).tolist())
+        pairs.add((a, b))
+    return sorted(pairs)
+
+
+def random_mobility(rng: np.random.Generator, n: int) -> Array:
+    return np.asarray(rng.choice([state.STATIC, state.KINEMATIC, state.DYNAMIC], size=n, p=[0.1, 0.1, 0.8]))
+
+
+@pytest.mark.parametrize(("n", "m"), [(2, 1), (10, 20), (60, 200), (300, 900)])
+def test_no_block_has_a_movable_body_twice(rng: np.random.Generator, n: int, m: int) -> None:
+    mobility = random_mobility(rng, n)
+    found = Coloured(random_pairs(rng, n, m), mobility)
+    for row in found.rows():
+        movable = [i for a, b, _ in row for i in (a - 1, b - 1) if mobility[i] == state.DYNAMIC]
+        assert len(movable) == len(set(movable))
+
+
+@pytest.mark.parametrize(("n", "m"), [(2, 1), (10, 20), (60, 200), (300, 900)])
+def test_every_manifold_is_in_one_lane_with_its_bodies(rng: np.random.Generator, n: int, m: int) -> None:
+    pairs = random_pairs(rng, n, m)
+    found = Coloured(pairs, random_mobility(rng, n))
+    lanes = [lane for row in found.rows() for lane in row]
+    assert len(lanes) == m
+    assert {slot - 101: (a - 1, b - 1) for a, b, slot in lanes} == dict(enumerate(pairs))
+    # what pads a block is nobody's in all three
+    empty = found.index[2 * found.blocks : 3 * found.blocks] == 0
+    assert (found.index[: found.blocks][empty] == 0).all()
+    assert (found.index[found.blocks : 2 * found.blocks][empty] == 0).all()
+
+
+def test_a_manifold_gets_the_lowest_colour_that_its_bodies_do_not_have(rng: np.random.Generator) -> None:
+    n = 40
+    pairs, mobility = random_pairs(rng, n, 150), random_mobility(rng, n)
+    found, taken = Coloured(pairs, mobility), [set() for _ in range(n)]
+    for (a, b), colour in zip(pairs, found.colours.tolist(), strict=True):
+        bodies = [i for i in (a, b) if mobility[i] == state.DYNAMIC]
+        forbidden = set().union(*(taken[i] for i in bodies))
+        assert colour == min(set(range(COLOURS + 1)) - forbidden)
+        for i in bodies:
+            taken[i].add(colour)
+    np.testing.assert_array_equal(found.sizes, np.bincount(found.colours, minlength=COLOURS + 1))
+
+
+def test_manifolds_elsewhere_change_no_colour(rng: np.random.Generator) -> None:
+    """Bodies of another group before, between and after: a colour is a matter of the neighbourhood."""
+    n = 30
+    pairs, mobility = random_pairs(rng, n, 80), random_mobility(rng, n)
+    alone = Coloured(pairs, mobility)
+    # body i becomes body 2 i + 1, with other bodies at even numbers
+    others = [(2 * a, 2 * b) for a, b in random_pairs(rng, n, 80)]
+    ours = [(2 * a + 1, 2 * b + 1) for a, b in pairs]
+    together = sorted(ours + others)
+    mixed = Coloured(together, np.repeat(mobility, 2))
+    colours = dict(zip(together, mixed.colours.tolist(), strict=True))
+    assert [colours[pair] for pair in ours] == alone.colours.tolist()
+
+
+def test_what_rests_on_the_same_floor_shares_a_colour() -> None:
+    """A floor does not move: a thousand crates on it fill 125 blocks."""
+    pairs = [(0, k) for k in range(1, 1001)]
+    found = Coloured(pairs, [state.STATIC] + [state.DYNAMIC] * 1000)
+    assert (found.colours == 0).all()
+    assert found.blocks == 125
+
+
+@pytest.mark.parametrize("m", [COLOURS - 1, COLOURS, COLOURS + 1, 100])
+def test_a_body_with_more_contacts_than_colours_has_the_rest_one_by_one(m: int) -> None:
+    """A ball in a heap of marbles: whatever has no colour left is solved alone, after the others."""
+    found = Coloured([(0, k) for k in range(1, m + 1)], [state.DYNAMIC] * (m + 1))
+    assert found.colours.tolist() == [min(k, COLOURS) for k in range(m)]
+    assert found.blocks == m
+    assert [len(row) for row in found.rows()] == [1] * m
+    assert [slot for row in found.rows() for *_, slot in row] == [101 + k for k in range(m)]
+
+
+def test_no_manifolds_make_no_blocks() -> None:
+    found = Coloured([], [state.DYNAMIC] * 3)
+    assert found.blocks == 0
+    assert found.rows() == []
