@@ -84,6 +84,8 @@ TABLE: dict[str, list[Row]] = {
         Row("st.World(precision='half')", "precision must be one of double, single, got 'half'."),
         Row("st.World(materials={})", "materials must be a MaterialTable, got dict."),
         Row("st.World(micro_literal=1)", "micro_literal must be True or False, got 1."),
+        Row("st.World(micro_literal=True)", "micro_literal must be left out unless solver is 'micro'."),
+        Row("st.World(sleeping=1)", "sleeping must be True or False, got 1."),
         Row("st.World(restitution_threshold=-1)", "restitution_threshold must be 0 m/s or more, got -1."),
     ],
     "Adding a body": [
@@ -266,11 +268,15 @@ TABLE: dict[str, list[Row]] = {
         ),
     ],
     "Not there yet": [
-        Row("st.World(solver='soft')", "solver 'soft' is not there yet; this version has micro.", NotYetError),
-        Row("st.World(substeps=4)", "substeps must be 1 with solver 'micro', got 4; use a smaller dt.", NotYetError),
+        Row("st.World(solver='exact')", "solver 'exact' is not there yet; this version has soft, micro.", NotYetError),
         Row(
-            "st.World(precision='single')",
-            "precision 'single' is not there yet; this version has 'double'.",
+            "st.World(solver='micro', substeps=4)",
+            "substeps must be 1 with solver 'micro', got 4; use a smaller dt.",
+            NotYetError,
+        ),
+        Row(
+            "st.World(solver='micro', precision='single')",
+            "precision 'single' is not there yet with solver 'micro'; it has 'double'.",
             NotYetError,
         ),
     ],
@@ -283,8 +289,8 @@ ROWS = [row for rows in TABLE.values() for row in rows]
 class Scene:
     """A world in the middle of something: a sliding crate, a moving pusher, forces that wait for the next step."""
 
-    def __init__(self) -> None:
-        self.world = st.World(materials=st.MaterialTable.lecture())
+    def __init__(self, solver: str | None = None) -> None:
+        self.world = st.World(solver=solver, materials=st.MaterialTable.lecture())
         self.floor = self.world.add(st.Plane(), static=True, name="floor", material="concrete")
         self.crate = self.world.add(
             st.Box((1, 1, 1)), mass=2.0, position=(0, 0, 0.5), velocity=(2, 1, 0), material="wood", name="crate"
@@ -453,9 +459,13 @@ EXPLOSIONS = [
 ]
 
 
+both = pytest.mark.parametrize("solver", ["soft", "micro"])
+
+
+@both
 @pytest.mark.parametrize("cause", EXPLOSIONS)
-def test_a_world_that_blows_up_says_where_and_goes_back(cause: str) -> None:
-    scene = Scene()
+def test_a_world_that_blows_up_says_where_and_goes_back(cause: str, solver: str) -> None:
+    scene = Scene(solver)
     world = scene.world
     exec(cause, scene.names())
     kept: list[Any] = []
@@ -486,9 +496,10 @@ def test_a_world_that_blows_up_says_where_and_goes_back(cause: str) -> None:
     assert np.isfinite([body.friction_work for body in world]).all()
 
 
+@both
 @pytest.mark.parametrize("cause", ["crate.apply_force((1e308, 0, 1e308))", "crate.velocity = (1e308, 0, 0)"])
-def test_after_a_blow_up_the_world_can_be_mended_and_goes_on(cause: str) -> None:
-    scene = Scene()
+def test_after_a_blow_up_the_world_can_be_mended_and_goes_on(cause: str, solver: str) -> None:
+    scene = Scene(solver)
     world = scene.world
     exec(cause, scene.names())
     with pytest.raises(SimulationError):
@@ -501,9 +512,10 @@ def test_after_a_blow_up_the_world_can_be_mended_and_goes_on(cause: str) -> None
     assert np.isfinite(scene.crate.friction_work)
 
 
-def test_a_blow_up_in_the_middle_of_many_steps_names_its_step() -> None:
+@both
+def test_a_blow_up_in_the_middle_of_many_steps_names_its_step(solver: str) -> None:
     """What was done before it stays done."""
-    one, many = Scene(), Scene()
+    one, many = Scene(solver), Scene(solver)
     for scene in (one, many):
         scene.world.gravity = (0, 0, 1e300)
         scene.crate.velocity = (0, 0, 0)
@@ -519,9 +531,10 @@ def test_a_blow_up_in_the_middle_of_many_steps_names_its_step() -> None:
         np.testing.assert_array_equal(again.value.state[name], value)
 
 
-def test_nan_written_into_the_arrays_is_found_in_the_next_step() -> None:
+@both
+def test_nan_written_into_the_arrays_is_found_in_the_next_step(solver: str) -> None:
     """The arrays are views, so nothing can refuse it earlier; what is reported is finite all the same."""
-    scene = Scene()
+    scene = Scene(solver)
     scene.world.positions[scene.crate.index, 0] = float("nan")
     with pytest.raises(SimulationError, match="the state of body 'crate' is no longer finite") as failure:
         scene.world.step()
@@ -530,8 +543,9 @@ def test_nan_written_into_the_arrays_is_found_in_the_next_step() -> None:
     assert np.isfinite(failure.value.state["position"]).all()
 
 
-def test_a_healthy_body_beside_a_broken_one_is_not_blamed() -> None:
-    world = st.World()
+@both
+def test_a_healthy_body_beside_a_broken_one_is_not_blamed(solver: str) -> None:
+    world = st.World(solver=solver)
     world.add(st.Plane(), static=True)
     world.add(st.Box((1, 1, 1)), position=(0, 0, 0.5), name="healthy")
     world.add(st.Sphere(0.5), position=(5, 0, 0.5), velocity=(1e308, 0, 0), name="broken")

@@ -193,8 +193,9 @@ def test_angular_momentum_of_an_impulse_is_what_was_given(space: st.World) -> No
 # --- friction work ----------------------------------------------------------------------------------------------------
 
 
-def test_friction_work_is_the_energy_that_a_sliding_crate_has_lost() -> None:
-    world = st.World(materials=st.MaterialTable.lecture())
+@pytest.mark.parametrize("solver", ["soft", "micro"])
+def test_friction_work_is_the_energy_that_a_sliding_crate_has_lost(solver: str) -> None:
+    world = st.World(solver=solver, materials=st.MaterialTable.lecture())
     world.add(st.Plane(), static=True, material="concrete")
     body = world.add(st.Box((1, 1, 1)), mass=2.0, position=(0, 0, 0.5), velocity=(3, 0, 0), material="wood")
     world.step(10)
@@ -204,8 +205,9 @@ def test_friction_work_is_the_energy_that_a_sliding_crate_has_lost() -> None:
     assert world.energy().friction == pytest.approx(body.friction_work)
 
 
-def test_what_two_bodies_lose_to_each_other_is_shared() -> None:
-    world = st.World(gravity=(0, 0, 0), materials=st.MaterialTable.lecture())
+@pytest.mark.parametrize("solver", ["soft", "micro"])
+def test_what_two_bodies_lose_to_each_other_is_shared(solver: str) -> None:
+    world = st.World(gravity=(0, 0, 0), solver=solver, materials=st.MaterialTable.lecture())
     a = world.add(st.Sphere(0.5), mass=1.0, position=(-0.5, 0, 0), velocity=(1, 0, 2), material="rubber")
     b = world.add(st.Sphere(0.5), mass=1.0, position=(0.5, 0, 0), material="concrete")
     world.step()

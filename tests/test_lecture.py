@@ -391,7 +391,7 @@ def hit(velocity: tuple[float, float, float], literal: bool) -> Array:
     """The impulse on a plane that a sphere of 2 kg hits without gravity: normal part and friction, world axes."""
     table = st.MaterialTable()
     table.set_pair("ball", "floor", static=0.5, dynamic=0.3)
-    world = st.World(gravity=(0, 0, 0), materials=table, micro_literal=literal)
+    world = st.World(gravity=(0, 0, 0), solver="micro", materials=table, micro_literal=literal)
     world.add(st.Plane(), static=True, material="floor")
     ball = world.add(st.Sphere(0.5), mass=2.0, material="ball", position=(0, 0, 0.5), velocity=velocity)
     world.step()

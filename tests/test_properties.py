@@ -22,6 +22,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::stiction.IterationLimitWarning"
 
 seeds = some.integers(0, 2**32 - 1)
 few = settings(max_examples=15)
+both = pytest.mark.parametrize("solver", ["soft", "micro"])
+"""For what any world promises; ``soft`` computes contacts in single precision."""
 
 
 def quaternion(rng: np.random.Generator) -> Array:
@@ -60,9 +62,9 @@ def random_shape(rng: np.random.Generator) -> st.Shape:
     return st.Sphere(rng.uniform(0.15, 0.35)) if rng.random() < 0.5 else st.Box(rng.uniform(0.2, 0.8, size=3))
 
 
-def swarm(rng: np.random.Generator, n: int, materials: st.MaterialTable, dt: float = 0.01) -> st.World:
+def swarm(rng: np.random.Generator, n: int, materials: st.MaterialTable, solver: str, dt: float = 0.01) -> st.World:
     """n free bodies, spinning, on their way to one place; no gravity."""
-    world = st.World(gravity=(0, 0, 0), dt=dt, materials=materials)
+    world = st.World(gravity=(0, 0, 0), dt=dt, solver=solver, materials=materials)
     for k in range(n):
         direction = rng.normal(size=3)
         place = direction / np.linalg.norm(direction) * (0.9 + 0.9 * k)
@@ -90,25 +92,27 @@ def momenta(world: st.World) -> tuple[Array, Array, float, float]:
 # --- conservation -----------------------------------------------------------------------------------------------------
 
 
+@both
 @few
 @given(seeds, some.integers(2, 5))
-def test_momentum_of_free_bodies_is_conserved_through_every_collision(seed: int, n: int) -> None:
+def test_momentum_of_free_bodies_is_conserved_through_every_collision(solver: str, seed: int, n: int) -> None:
     """Linear to rounding; angular to the first order in dt, which is what the rotation of a free top costs."""
     rng = np.random.default_rng(seed)
-    world = swarm(rng, n, table(rng), dt=0.001)
+    world = swarm(rng, n, table(rng), solver, dt=0.001)
     p0, l0, p_scale, l_scale = momenta(world)
     world.step(600)
     p1, l1, _, _ = momenta(world)
-    np.testing.assert_allclose(p1, p0, rtol=0, atol=1e-11 * p_scale)
+    np.testing.assert_allclose(p1, p0, rtol=0, atol=(1e-6 if solver == "soft" else 1e-11) * p_scale)
     np.testing.assert_allclose(l1, l0, rtol=0, atol=6e-3 * l_scale)
 
 
+@both
 @few
 @given(seeds)
-def test_an_impact_conserves_angular_momentum_to_rounding(seed: int) -> None:
+def test_an_impact_conserves_angular_momentum_to_rounding(solver: str, seed: int) -> None:
     """In the very instant of the impact: impulses at one point, equal and opposite."""
     rng = np.random.default_rng(seed)
-    world = st.World(gravity=(0, 0, 0), dt=1e-9, materials=table(rng, restitution=0.6))
+    world = st.World(gravity=(0, 0, 0), dt=1e-9, solver=solver, materials=table(rng, restitution=0.6))
     d = rng.normal(size=3)
     d /= np.linalg.norm(d)
     for sign, r in ((-1.0, 0.3), (1.0, 0.2)):
@@ -120,34 +124,37 @@ def test_an_impact_conserves_angular_momentum_to_rounding(seed: int) -> None:
     world.step()
     assert world.energy().impacts > 0.0
     p1, l1, _, _ = momenta(world)
-    np.testing.assert_allclose(p1, p0, rtol=0, atol=1e-12 * p_scale)
-    np.testing.assert_allclose(l1, l0, rtol=0, atol=1e-8 * l_scale)
+    np.testing.assert_allclose(p1, p0, rtol=0, atol=(1e-6 if solver == "soft" else 1e-12) * p_scale)
+    np.testing.assert_allclose(l1, l0, rtol=0, atol=(1e-6 if solver == "soft" else 1e-8) * l_scale)
 
 
+@both
 @few
 @given(seeds, some.integers(2, 5), some.sampled_from([0.0, 0.5, 1.0]))
-def test_collisions_never_create_energy(seed: int, n: int, restitution: float) -> None:
+def test_collisions_never_create_energy(solver: str, seed: int, n: int, restitution: float) -> None:
     """Not with e = 1 and friction either, where Newton's restitution would; the integrator's share is set apart."""
     rng = np.random.default_rng(seed)
-    world = swarm(rng, n, table(rng, restitution=restitution))
+    world = swarm(rng, n, table(rng, restitution=restitution), solver)
     world.step()
     start = world.energy()
     before = start
     for _ in range(60):
         world.step()
         now = world.energy()
-        allowed = (now.numerical - before.numerical) + 1e-9 * start.initial
+        # micro knows what its integrator makes; soft enters every gain there, so it may not gain at all
+        allowed = 1e-3 * start.initial if solver == "soft" else now.numerical - before.numerical + 1e-9 * start.initial
         assert now.kinetic <= before.kinetic + max(allowed, 0.0)
         before = now
     assert abs(now.residual) <= 1e-11 * start.initial
 
 
+@both
 @few
 @given(seeds, some.sampled_from([0.0, 0.3, 1.0, 3.0]))
-def test_a_box_thrown_on_the_ground_never_rises_higher_than_its_energy(seed: int, mu: float) -> None:
+def test_a_box_thrown_on_the_ground_never_rises_higher_than_its_energy(solver: str, seed: int, mu: float) -> None:
     """Oblique impacts with e = 1, spin and any friction: kinetic plus potential energy only falls."""
     rng = np.random.default_rng(seed)
-    world = st.World(materials=table(rng, static=mu, dynamic=mu, restitution=1.0))
+    world = st.World(solver=solver, materials=table(rng, static=mu, dynamic=mu, restitution=1.0))
     world.add(st.Plane(), static=True)
     world.add(
         st.Box(rng.uniform(0.2, 1.5, size=3)), position=(0, 0, 1.5), orientation=quaternion(rng),
@@ -159,19 +166,20 @@ def test_a_box_thrown_on_the_ground_never_rises_higher_than_its_energy(seed: int
         world.step()
         energy = world.energy()
         total = energy.kinetic + energy.potential
-        assert total <= start.kinetic + start.potential + max(energy.numerical - start.numerical, 0.0) + 1e-9 * abs(
-            total
-        )
+        made = 1e-3 * abs(total) if solver == "soft" else max(energy.numerical - start.numerical, 0.0)
+        assert total <= start.kinetic + start.potential + made + 1e-9 * abs(total)
     # how an oblique impact's loss is shared between its normal and its planar part is a convention, the sum is not
     assert energy.dissipated >= -1e-9 * start.kinetic
 
 
+@both
 @few
 @given(seeds)
-def test_a_single_impact_takes_energy_whatever_the_contact_looks_like(seed: int) -> None:
+def test_a_single_impact_takes_energy_whatever_the_contact_looks_like(solver: str, seed: int) -> None:
     """A corner hits the ground in one instant: e = 1, large friction, any inertia."""
     rng = np.random.default_rng(seed)
-    world = st.World(gravity=(0, 0, 0), dt=1e-6, materials=table(rng, static=2.0, dynamic=1.5, restitution=1.0))
+    materials = table(rng, static=2.0, dynamic=1.5, restitution=1.0)
+    world = st.World(gravity=(0, 0, 0), dt=1e-6, solver=solver, materials=materials)
     world.add(st.Plane(), static=True)
     size = rng.uniform(0.1, 2.0, size=3)
     q = quaternion(rng)
@@ -183,15 +191,17 @@ def test_a_single_impact_takes_energy_whatever_the_contact_looks_like(seed: int)
     )  # fmt: skip
     before = box.kinetic_energy
     world.step()
-    assert box.kinetic_energy <= before * (1 + 1e-9)
-    assert world.energy().dissipated >= -1e-9 * before
+    rounding = 1e-5 if solver == "soft" else 1e-9
+    assert box.kinetic_energy <= before * (1 + rounding)
+    assert world.energy().dissipated >= -rounding * before
 
 
+@both
 @few
 @given(seeds, some.integers(1, 4))
-def test_the_ledger_closes(seed: int, n: int) -> None:
+def test_the_ledger_closes(solver: str, seed: int, n: int) -> None:
     """On the ground, with rolling resistance, pushes and a belt."""
-    world = pile(np.random.default_rng(seed), n)
+    world = pile(np.random.default_rng(seed), n, solver)
     for step in range(40):
         if step == 20:
             world.bodies[1].apply_force((100, 50, 200), at=world.bodies[1].position + 0.1)
@@ -201,10 +211,12 @@ def test_the_ledger_closes(seed: int, n: int) -> None:
     assert abs(energy.residual) <= 1e-11 * scale
 
 
-def pile(rng: np.random.Generator, n: int, place: Any = None, materials: st.MaterialTable | None = None) -> st.World:
+def pile(
+    rng: np.random.Generator, n: int, solver: str, place: Any = None, materials: st.MaterialTable | None = None
+) -> st.World:
     """n bodies dropped side by side on the ground. ``place`` may turn, shift or mirror each of them."""
     materials = table(rng, rolling=0.01, torsional=0.01) if materials is None else materials
-    world = st.World(materials=materials)
+    world = st.World(solver=solver, materials=materials)
     states: list[dict[str, Any]] = [
         {"shape": st.Plane(), "static": True, "surface_velocity": (0.3, 0.2, 0.0)},
         *(
@@ -237,9 +249,10 @@ def run_alike(*worlds: st.World) -> None:
         assume(not any(world.report().limit_hits))
 
 
+@both
 @few
 @given(seeds, some.integers(1, 3))
-def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(seed: int, n: int) -> None:
+def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(solver: str, seed: int, n: int) -> None:
     rng = np.random.default_rng(seed)
     q, shift = quaternion(rng), 5.0 * rng.normal(size=3)
     R = matrix_of(q)
@@ -254,8 +267,8 @@ def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(seed: i
         return moved
 
     materials = table(rng, rolling=0.01, torsional=0.01)
-    here = pile(np.random.default_rng(seed + 1), n, materials=materials)
-    there = pile(np.random.default_rng(seed + 1), n, place, materials)
+    here = pile(np.random.default_rng(seed + 1), n, solver, materials=materials)
+    there = pile(np.random.default_rng(seed + 1), n, solver, place, materials)
     there.gravity = R @ here.gravity
     run_alike(here, there)
     np.testing.assert_allclose(there.positions[1:], here.positions[1:] @ R.T + shift, rtol=0, atol=1e-6)
@@ -263,9 +276,10 @@ def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(seed: i
     np.testing.assert_allclose(there.angular_velocities[1:], here.angular_velocities[1:] @ R.T, rtol=0, atol=1e-3)
 
 
+@both
 @few
 @given(seeds, some.integers(1, 3))
-def test_a_scene_in_the_mirror_goes_as_its_mirror_image(seed: int, n: int) -> None:
+def test_a_scene_in_the_mirror_goes_as_its_mirror_image(solver: str, seed: int, n: int) -> None:
     """Mirrored in x: positions and velocities change the sign of x, spins and axes of rotation that of y and z."""
     flip, spin = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
 
@@ -284,20 +298,21 @@ def test_a_scene_in_the_mirror_goes_as_its_mirror_image(seed: int, n: int) -> No
         return mirrored
 
     materials = table(np.random.default_rng(seed), rolling=0.01, torsional=0.01)
-    here = pile(np.random.default_rng(seed + 1), n, materials=materials)
-    there = pile(np.random.default_rng(seed + 1), n, place, materials)
+    here = pile(np.random.default_rng(seed + 1), n, solver, materials=materials)
+    there = pile(np.random.default_rng(seed + 1), n, solver, place, materials)
     run_alike(here, there)
     np.testing.assert_allclose(there.positions[1:], here.positions[1:] * flip, rtol=0, atol=1e-6)
     np.testing.assert_allclose(there.velocities[1:], here.velocities[1:] * flip, rtol=0, atol=1e-4)
     np.testing.assert_allclose(there.angular_velocities[1:], here.angular_velocities[1:] * spin, rtol=0, atol=1e-3)
 
 
+@both
 @few
 @given(some.floats(0.0, 2 * math.pi), some.floats(0.0, 2 * math.pi))
-def test_a_crate_slides_equally_far_in_all_directions_whatever_its_yaw(heading: float, yaw: float) -> None:
+def test_a_crate_slides_equally_far_in_all_directions_whatever_its_yaw(solver: str, heading: float, yaw: float) -> None:
     materials = st.MaterialTable()
     materials.set_pair("default", "default", static=0.5, dynamic=0.4)
-    world = st.World(materials=materials)
+    world = st.World(solver=solver, materials=materials)
     world.add(st.Plane(), static=True)
     v = 3.0 * np.array([math.cos(heading), math.sin(heading), 0.0])
     q = (math.cos(yaw / 2), 0, 0, math.sin(yaw / 2))
@@ -307,28 +322,30 @@ def test_a_crate_slides_equally_far_in_all_directions_whatever_its_yaw(heading: 
     np.testing.assert_allclose(crate.position[:2], wanted * v[:2] / 3.0, rtol=0, atol=2e-4)
 
 
+@both
 @few
 @given(seeds, some.floats(0.5, 20.0))
-def test_mass_does_not_matter_where_only_friction_and_gravity_act(seed: int, factor: float) -> None:
+def test_mass_does_not_matter_where_only_friction_and_gravity_act(solver: str, seed: int, factor: float) -> None:
     """All densities times a factor: the same motion."""
 
     def heavier(state: dict[str, Any]) -> dict[str, Any]:
         return state if state.get("static") else {**state, "density": 1000.0 * factor}
 
     materials = table(np.random.default_rng(seed))
-    here = pile(np.random.default_rng(seed + 1), 2, materials=materials)
-    there = pile(np.random.default_rng(seed + 1), 2, heavier, materials)
+    here = pile(np.random.default_rng(seed + 1), 2, solver, materials=materials)
+    there = pile(np.random.default_rng(seed + 1), 2, solver, heavier, materials)
     run_alike(here, there)
     np.testing.assert_allclose(there.positions, here.positions, rtol=0, atol=1e-6)
     np.testing.assert_allclose(there.velocities, here.velocities, rtol=0, atol=1e-4)
 
 
+@both
 @few
 @given(seeds, some.integers(1, 4))
-def test_the_same_input_gives_the_same_bits(seed: int, n: int) -> None:
+def test_the_same_input_gives_the_same_bits(solver: str, seed: int, n: int) -> None:
     hashes = set()
     for steps in ([50], [1] * 50, [20, 30]):
-        world = pile(np.random.default_rng(seed), n)
+        world = pile(np.random.default_rng(seed), n, solver)
         for k in steps:
             world.step(k)
         hashes.add(world.state_hash())

@@ -16,6 +16,13 @@ Array = NDArray[np.float64]
 
 G = 9.81
 
+SOLVERS = ["soft", "micro"]
+both = pytest.mark.parametrize("solver", SOLVERS)
+"""For what any world promises."""
+
+SINK = 5e-5
+"""m, how far a body may be in the ground at dt = 1/60 s: soft contacts give way by g / omega^2, at first twice that."""
+
 tired = pytest.mark.filterwarnings("ignore::stiction.IterationLimitWarning")
 """For piles: micro may stop at its limit there and says so, which is not what these tests are about."""
 
@@ -28,10 +35,15 @@ def table(static: float = 0.5, dynamic: float | None = None, **more: Any) -> st.
 
 
 def on_the_ground(
-    shape: st.Shape, height: float, *, materials: st.MaterialTable | None = None, **state: Any
+    shape: st.Shape,
+    height: float,
+    solver: str | None = None,
+    *,
+    materials: st.MaterialTable | None = None,
+    **state: Any,
 ) -> st.World:
     """A world with a plane and one body called ``body`` on it."""
-    world = st.World(materials=table() if materials is None else materials)
+    world = st.World(solver=solver, materials=table() if materials is None else materials)
     world.add(st.Plane(), static=True, name="floor")
     world.add(shape, position=(0, 0, height), name="body", **state)
     return world
@@ -43,11 +55,11 @@ def on_the_ground(
 def test_a_new_world_is_empty_and_has_the_documented_defaults() -> None:
     world = st.World()
     np.testing.assert_array_equal(world.gravity, (0, 0, -9.81))
-    assert (world.dt, world.solver, world.time, world.steps, len(world)) == (1 / 60, "micro", 0.0, 0, 0)
+    assert (world.dt, world.solver, world.time, world.steps, len(world)) == (1 / 60, "soft", 0.0, 0, 0)
     assert world.materials == st.MaterialTable.default()
     assert world.positions.shape == (0, 3)
     assert len(world.contacts()) == 0
-    assert repr(world) == "<World of 0 bodies at t = 0 s, solver 'micro'>"
+    assert repr(world) == "<World of 0 bodies at t = 0 s, solver 'soft'>"
     world.step(3)
     assert world.steps == 3
     assert world.energy() == (0,) * 9
@@ -102,21 +114,23 @@ def test_arrays_are_views_of_all_bodies() -> None:
     np.testing.assert_array_equal(view, world.positions)
 
 
-def test_arrays_are_complete_after_many_bodies_were_added() -> None:
-    """Storage grows behind the scenes."""
-    world = st.World(gravity=(0, 0, 0))
+@both
+def test_arrays_are_complete_after_many_bodies_were_added(solver: str) -> None:
+    """Storage grows behind the scenes. Fast neighbours that may meet go through the soft solver, in single precision."""
+    world = st.World(gravity=(0, 0, 0), solver=solver)
     for i in range(500):
         world.add(st.Sphere(0.1), position=(i, 0, 0), velocity=(0, 0, 0.1 * i))
     np.testing.assert_array_equal(world.positions[:, 0], range(500))
     world.step()
-    np.testing.assert_allclose(world.positions[:, 2], 0.1 * np.arange(500) / 60, atol=1e-15)
+    np.testing.assert_allclose(world.positions[:, 2], 0.1 * np.arange(500) / 60, rtol=1e-6, atol=1e-15)
 
 
 # --- time -------------------------------------------------------------------------------------------------------------
 
 
-def test_many_steps_in_one_call_are_that_many_calls() -> None:
-    one, many = (on_the_ground(st.Box((1, 1, 1)), 0.6, velocity=(2, 1, 0)) for _ in range(2))
+@both
+def test_many_steps_in_one_call_are_that_many_calls(solver: str) -> None:
+    one, many = (on_the_ground(st.Box((1, 1, 1)), 0.6, solver, velocity=(2, 1, 0)) for _ in range(2))
     for _ in range(40):
         one.step()
     many.step(40)
@@ -132,10 +146,11 @@ def test_run_takes_the_nearest_number_of_steps(seconds: float, steps: int) -> No
     assert world.steps == steps
 
 
+@both
 @pytest.mark.parametrize("dt", [1 / 30, 1 / 60, 1 / 1000])
-def test_free_fall_is_exact_at_any_time_step(dt: float) -> None:
+def test_free_fall_is_exact_at_any_time_step(dt: float, solver: str) -> None:
     """z = v t - g t^2 / 2: the mean of old and new velocity is exact for a constant force."""
-    world = st.World(dt=dt)
+    world = st.World(dt=dt, solver=solver)
     ball = world.add(st.Sphere(0.1), position=(0, 0, 10), velocity=(1, 0, 5))
     world.run(0.9)
     t = world.time
@@ -155,65 +170,74 @@ def test_gravity_can_be_changed_and_is_a_copy() -> None:
 # --- friction: the engine's subject, in short -------------------------------------------------------------------------
 
 
+@both
 @pytest.mark.parametrize("dt", [1 / 60, 1 / 240])
 @pytest.mark.parametrize("angle", [0.0, 0.4, 1.0])
-def test_a_crate_slides_v_squared_over_two_mu_g(dt: float, angle: float) -> None:
-    world = st.World(dt=dt, materials=table(0.5, 0.3))
+def test_a_crate_slides_v_squared_over_two_mu_g(dt: float, angle: float, solver: str) -> None:
+    world = st.World(dt=dt, solver=solver, materials=table(0.5, 0.3))
     world.add(st.Plane(), static=True)
     v = 3.0 * np.array([math.cos(angle), math.sin(angle), 0])
     crate = world.add(st.Box((1, 2, 0.5)), position=(0, 0, 0.25), velocity=v)
     world.run(2.0)
     wanted = 9.0 / (2 * 0.3 * G)
     assert np.linalg.norm(crate.position[:2]) == pytest.approx(wanted, rel=1e-3)
-    assert math.atan2(crate.position[1], crate.position[0]) == pytest.approx(angle, abs=1e-5)
+    assert math.atan2(crate.position[1], crate.position[0]) == pytest.approx(angle, abs=5e-5)
     assert np.abs(crate.velocity).max() < 1e-5
 
 
+@both
 @pytest.mark.parametrize("size", [(1, 1, 0.5), (1, 1, 0.1), (1, 1, 0.02)])
-def test_a_fast_thin_sheet_slides_flat(size: tuple[float, float, float]) -> None:
+def test_a_fast_thin_sheet_slides_flat(size: tuple[float, float, float], solver: str) -> None:
     """It moves farther in a step than it is thick, and still lies on its lower face."""
-    world = st.World(materials=table(0.5, 0.4))
+    world = st.World(solver=solver, materials=table(0.5, 0.4))
     world.add(st.Plane(), static=True)
     sheet = world.add(st.Box(size), position=(0, 0, 0.5 * size[2]), velocity=(10, 0, 0))
     for _ in range(60):
         world.step()
-        assert sheet.position[2] == pytest.approx(0.5 * size[2], abs=1e-5)
-        assert np.abs(sheet.angular_velocity).max() < 1e-4
+        assert sheet.position[2] == pytest.approx(0.5 * size[2], abs=SINK if solver == "soft" else 1e-5)
+        assert np.abs(sheet.angular_velocity).max() < (1e-3 if solver == "soft" else 1e-4)
     assert abs(world.energy().numerical) < 1e-4 * world.energy().initial
-    assert sheet.velocity[0] == pytest.approx(10 - 0.4 * G * world.time, rel=1e-6)
+    assert sheet.velocity[0] == pytest.approx(10 - 0.4 * G * world.time, rel=1e-5)
 
 
+@both
 @pytest.mark.parametrize(("slope", "holds"), [(0.59, True), (0.61, False)])
-def test_static_friction_decides_whether_and_dynamic_how_fast(slope: float, holds: bool) -> None:
+def test_static_friction_decides_whether_and_dynamic_how_fast(slope: float, holds: bool, solver: str) -> None:
     """mu_s = 0.6, mu_d = 0.4 on tan(angle) = 0.59 and 0.61, by tilting gravity."""
     angle = math.atan(slope)
-    world = on_the_ground(st.Box((1, 1, 0.5)), 0.25, materials=table(0.6, 0.4))
+    world = on_the_ground(st.Box((1, 1, 0.5)), 0.25, solver, materials=table(0.6, 0.4))
     world.gravity = (G * math.sin(angle), 0, -G * math.cos(angle))
     world.run(1.0)
     crate = world["body"]
     if holds:
         # micro resolves contacts to 1e-6 m/s, so a crate that holds may creep as fast
-        assert np.abs(crate.position - (0, 0, 0.25)).max() < 1e-5
+        assert np.abs(crate.position[:2]).max() < 1e-5
+        assert crate.position[2] == pytest.approx(0.25, abs=SINK if solver == "soft" else 1e-5)
         assert world.contacts()["sticking"].all()
     else:
         a = G * (math.sin(angle) - 0.4 * math.cos(angle))
-        assert crate.position[0] == pytest.approx(0.5 * a, rel=2e-3)
+        # soft waits a few substeps before it believes that the limit is exceeded
+        assert crate.position[0] == pytest.approx(0.5 * a, rel=2e-2 if solver == "soft" else 2e-3)
         assert not world.contacts()["sticking"].any()
 
 
-def test_a_ball_that_slides_ends_rolling_at_five_sevenths() -> None:
-    world = on_the_ground(st.Sphere(0.5), 0.5, materials=table(0.2), velocity=(7, 0, 0))
+@both
+def test_a_ball_that_slides_ends_rolling_at_five_sevenths(solver: str) -> None:
+    """In ``soft`` the ball rolls on a radius that is shorter by what it sinks in."""
+    world = on_the_ground(st.Sphere(0.5), 0.5, solver, materials=table(0.2), velocity=(7, 0, 0))
     world.run(2.0)
     ball = world["body"]
     np.testing.assert_allclose(ball.velocity, (5, 0, 0), atol=1e-4)
-    np.testing.assert_allclose(ball.angular_velocity, (0, 10, 0), atol=1e-4)
+    np.testing.assert_allclose(ball.angular_velocity, (0, 10, 0), atol=4e-4 if solver == "soft" else 1e-4)
     assert world.contacts()["sticking"].all()
 
 
-def test_rolling_resistance_stops_a_ball() -> None:
+@both
+def test_rolling_resistance_stops_a_ball(solver: str) -> None:
     """A torque delta N: a rolling ball slows down at 5/7 g delta / r."""
+    materials = table(0.8, rolling=0.01)
     world = on_the_ground(
-        st.Sphere(0.5), 0.5, materials=table(0.8, rolling=0.01), velocity=(1, 0, 0), angular_velocity=(0, 2, 0)
+        st.Sphere(0.5), 0.5, solver, materials=materials, velocity=(1, 0, 0), angular_velocity=(0, 2, 0)
     )
     a = 5 / 7 * G * 0.01 / 0.5
     world.run(2.0)
@@ -223,9 +247,10 @@ def test_rolling_resistance_stops_a_ball() -> None:
     assert np.abs(world["body"].velocity).max() < 1e-6
 
 
-def test_a_belt_carries_what_lies_on_it() -> None:
+@both
+def test_a_belt_carries_what_lies_on_it(solver: str) -> None:
     """At mu_d g until it moves with the belt; the belt's work is entered."""
-    world = st.World(materials=table(0.5, 0.4))
+    world = st.World(solver=solver, materials=table(0.5, 0.4))
     world.add(st.Box((20, 2, 1)), static=True, position=(0, 0, -0.5), surface_velocity=(2, 0, 0))
     crate = world.add(st.Box((0.5, 0.5, 0.5)), mass=3.0, position=(-5, 0, 0.25))
     world.run(0.25)
@@ -237,21 +262,24 @@ def test_a_belt_carries_what_lies_on_it() -> None:
     assert energy.friction == pytest.approx(0.5 * 3.0 * 4, rel=1e-3)
 
 
-def test_a_kinematic_body_moves_as_it_is_told_whatever_it_meets() -> None:
-    world = st.World(gravity=(0, 0, 0), materials=table(0.5))
+@both
+def test_a_kinematic_body_moves_as_it_is_told_whatever_it_meets(solver: str) -> None:
+    """What it hits leaves with its speed; in ``soft`` with what a contact that gives way adds, a few thousandths."""
+    world = st.World(gravity=(0, 0, 0), solver=solver, materials=table(0.5))
     pusher = world.add(st.Box((1, 1, 1)), kinematic=True, velocity=(1, 0, 0), angular_velocity=(0, 0, 0))
     ball = world.add(st.Sphere(0.5), mass=1e6, position=(1.2, 0, 0))
     world.run(1.0)
     np.testing.assert_allclose(pusher.position, (1, 0, 0))
-    np.testing.assert_allclose(ball.velocity, (1, 0, 0), atol=1e-6)
+    np.testing.assert_allclose(ball.velocity, (1, 0, 0), atol=3e-3 if solver == "soft" else 1e-6)
     spinner = world.add(st.Sphere(0.1), kinematic=True, position=(0, 9, 0), angular_velocity=(0, 0, math.pi))
     world.run(0.5)
     np.testing.assert_allclose(np.abs(spinner.orientation), (math.sqrt(0.5), 0, 0, math.sqrt(0.5)), atol=1e-12)
 
 
+@both
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
-def test_a_ball_bounces_to_e_squared_of_its_height(e: float) -> None:
-    world = on_the_ground(st.Sphere(0.1), 1.1, materials=table(0.5, restitution=e))
+def test_a_ball_bounces_to_e_squared_of_its_height(e: float, solver: str) -> None:
+    world = on_the_ground(st.Sphere(0.1), 1.1, solver, materials=table(0.5, restitution=e))
     ball = world["body"]
     heights, rising = [], False
     for _ in range(90):
@@ -265,16 +293,18 @@ def test_a_ball_bounces_to_e_squared_of_its_height(e: float) -> None:
 # --- contacts ---------------------------------------------------------------------------------------------------------
 
 
-def test_contacts_of_a_resting_crate_carry_its_weight() -> None:
-    world = on_the_ground(st.Box((1, 1, 1)), 0.5, mass=6.0)
-    world.step()
+@both
+def test_contacts_of_a_resting_crate_carry_its_weight(solver: str) -> None:
+    world = on_the_ground(st.Box((1, 1, 1)), 0.5, solver, mass=6.0)
+    # soft sinks in first, and then stands
+    world.step(20 if solver == "soft" else 1)
     rows = world.contacts()
     assert rows.dtype == CONTACT_DTYPE
     assert len(rows) == 4
     assert (rows["body_a"] == 0).all()
     assert (rows["body_b"] == 1).all()
     np.testing.assert_array_equal(rows["normal"], [(0, 0, 1)] * 4)
-    np.testing.assert_allclose(rows["separation"], 0.0, atol=1e-9)
+    np.testing.assert_allclose(rows["separation"], 0.0, atol=SINK if solver == "soft" else 1e-9)
     # 6 kg at the 1e-6 m/s to which micro resolves contacts
     assert rows["normal_impulse"].sum() == pytest.approx(6.0 * G / 60, abs=1e-5)
     # corners may squeeze each other, but the crate is not pushed
@@ -284,8 +314,9 @@ def test_contacts_of_a_resting_crate_carry_its_weight() -> None:
     assert (world.contacts()["point"] < 1.0).all()
 
 
-def test_friction_impulse_acts_on_b_against_its_motion_with_mu_times_the_load() -> None:
-    world = on_the_ground(st.Box((1, 1, 1)), 0.5, mass=6.0, velocity=(3, 4, 0), materials=table(0.5, 0.4))
+@both
+def test_friction_impulse_acts_on_b_against_its_motion_with_mu_times_the_load(solver: str) -> None:
+    world = on_the_ground(st.Box((1, 1, 1)), 0.5, solver, mass=6.0, velocity=(3, 4, 0), materials=table(0.5, 0.4))
     world.step()
     rows = world.contacts()
     total = rows["friction_impulse"].sum(axis=0)
@@ -293,8 +324,9 @@ def test_friction_impulse_acts_on_b_against_its_motion_with_mu_times_the_load() 
     assert not rows["sticking"].any()
 
 
-def test_contacts_of_one_body() -> None:
-    world = st.World(materials=table())
+@both
+def test_contacts_of_one_body(solver: str) -> None:
+    world = st.World(solver=solver, materials=table())
     world.add(st.Plane(), static=True)
     a = world.add(st.Sphere(0.5), position=(0, 0, 0.5))
     b = world.add(st.Sphere(0.5), position=(5, 0, 0.5))
@@ -311,8 +343,9 @@ def test_contacts_of_one_body() -> None:
 # --- materials --------------------------------------------------------------------------------------------------------
 
 
-def test_a_changed_pair_takes_effect_in_the_next_step() -> None:
-    world = on_the_ground(st.Box((1, 1, 1)), 0.5, velocity=(3, 0, 0), materials=table(0.5, 0.4))
+@both
+def test_a_changed_pair_takes_effect_in_the_next_step(solver: str) -> None:
+    world = on_the_ground(st.Box((1, 1, 1)), 0.5, solver, velocity=(3, 0, 0), materials=table(0.5, 0.4))
     world.step(10)
     before = world["body"].velocity[0]
     world.materials.set_pair("default", "default", static=0.1, dynamic=0.1)
@@ -330,9 +363,9 @@ def test_the_table_is_used_and_not_copied_and_worlds_can_share_it() -> None:
 # --- the ledger -------------------------------------------------------------------------------------------------------
 
 
-def busy_world() -> st.World:
+def busy_world(solver: str) -> st.World:
     """Crates, balls, a belt, a bounce, a push, and a body that is thrown in while it runs."""
-    world = st.World(materials=table(0.5, 0.4, restitution=0.4, rolling=0.002, torsional=0.002))
+    world = st.World(solver=solver, materials=table(0.5, 0.4, restitution=0.4, rolling=0.002, torsional=0.002))
     world.add(st.Plane(), static=True)
     world.add(st.Box((2, 2, 0.2)), static=True, position=(3, 0, 0.1), surface_velocity=(0, 1, 0))
     for i in range(3):
@@ -341,9 +374,10 @@ def busy_world() -> st.World:
     return world
 
 
+@both
 @tired
-def test_the_ledger_closes_to_rounding() -> None:
-    world = busy_world()
+def test_the_ledger_closes_to_rounding(solver: str) -> None:
+    world = busy_world(solver)
     largest = 0.0
     for step in range(120):
         if step == 30:
@@ -364,10 +398,11 @@ def test_the_ledger_closes_to_rounding() -> None:
     assert energy.dissipated == energy.friction + energy.rolling + energy.impacts
 
 
+@both
 @tired
-def test_the_ledger_closes_when_overlapping_bodies_are_pushed_apart() -> None:
+def test_the_ledger_closes_when_overlapping_bodies_are_pushed_apart(solver: str) -> None:
     """The push turns them, so that nothing prepared before it holds any more."""
-    world = st.World(materials=table(0.5, 0.4))
+    world = st.World(solver=solver, materials=table(0.5, 0.4))
     world.add(st.Plane(), static=True)
     world.add(st.Box((1, 1, 0.4)), position=(0, 0, 0.17), orientation=(1, 0.05, 0.08, 0.3), velocity=(1, 2, 0))
     world.add(st.Box((0.5, 0.5, 0.5)), position=(0.2, 0.1, 0.55), angular_velocity=(3, 1, 2))
@@ -375,12 +410,14 @@ def test_the_ledger_closes_when_overlapping_bodies_are_pushed_apart() -> None:
         world.step()
         energy = world.energy()
         assert abs(energy.residual) < 1e-11 * (abs(energy.initial) + energy.dissipated)
-    assert world.report().visits[0] > 0
+    if solver == "micro":
+        assert world.report().visits[0] > 0
 
 
+@both
 @tired
-def test_reading_the_ledger_changes_nothing() -> None:
-    one, two = busy_world(), busy_world()
+def test_reading_the_ledger_changes_nothing(solver: str) -> None:
+    one, two = busy_world(solver), busy_world(solver)
     for _ in range(20):
         one.step()
         two.step()
@@ -389,8 +426,9 @@ def test_reading_the_ledger_changes_nothing() -> None:
     assert one.energy() == two.energy()
 
 
-def test_edits_are_what_was_changed_from_outside() -> None:
-    world = st.World(gravity=(0, 0, 0))
+@both
+def test_edits_are_what_was_changed_from_outside(solver: str) -> None:
+    world = st.World(gravity=(0, 0, 0), solver=solver)
     ball = world.add(st.Sphere(0.1), mass=2.0)
     world.step()
     ball.velocity = (3, 0, 0)
@@ -402,9 +440,10 @@ def test_edits_are_what_was_changed_from_outside() -> None:
     assert world.energy().kinetic == 0.0
 
 
-def test_work_is_that_of_applied_forces() -> None:
+@both
+def test_work_is_that_of_applied_forces(solver: str) -> None:
     """2 kg under 4 N along 1/2 a t^2: F s."""
-    world = st.World(gravity=(0, 0, 0), dt=0.01)
+    world = st.World(gravity=(0, 0, 0), dt=0.01, solver=solver)
     ball = world.add(st.Sphere(0.1), mass=2.0)
     for _ in range(100):
         ball.apply_force((4, 0, 0))
@@ -418,7 +457,7 @@ def test_work_is_that_of_applied_forces() -> None:
 
 
 def test_a_limit_that_is_hit_is_reported_and_warned_of_once() -> None:
-    world = st.World(materials=table(0.5), iterations=1)
+    world = st.World(solver="micro", materials=table(0.5), iterations=1)
     world.add(st.Plane(), static=True)
     for i in range(4):
         world.add(st.Box((1, 1, 1)), position=(0, 0, 0.5 + i))
@@ -431,8 +470,9 @@ def test_a_limit_that_is_hit_is_reported_and_warned_of_once() -> None:
     assert report.visits[2] > 0
 
 
-def test_the_hash_tells_states_apart_by_a_single_bit() -> None:
-    world = on_the_ground(st.Box((1, 1, 1)), 0.5)
+@both
+def test_the_hash_tells_states_apart_by_a_single_bit(solver: str) -> None:
+    world = on_the_ground(st.Box((1, 1, 1)), 0.5, solver)
     seen = {world.state_hash()}
     for change in (
         lambda: world["body"].__setattr__("position", (1e-300, 0, 0.5)),
@@ -451,9 +491,9 @@ def test_the_hash_tells_states_apart_by_a_single_bit() -> None:
 # --- growth -----------------------------------------------------------------------------------------------------------
 
 
-def wall(n: int) -> st.World:
+def wall(n: int, solver: str) -> st.World:
     """A wall of n x n bricks: hundreds of contacts, far beyond the room that a new world has."""
-    world = st.World(materials=table(0.6, 0.5))
+    world = st.World(solver=solver, materials=table(0.6, 0.5))
     world.add(st.Plane(), static=True)
     for row in range(n):
         for k in range(n):
@@ -465,7 +505,7 @@ def wall(n: int) -> st.World:
 @tired
 def test_growing_the_room_for_contacts_does_not_change_results() -> None:
     """The step in which room runs short is started anew, from the very state."""
-    grown, roomy = wall(6), wall(6)
+    grown, roomy = wall(6, "micro"), wall(6, "micro")
     roomy._store._grow_contacts(4096)
     roomy._store._grow_lists(4096)
     room = len(grown._store.contacts)
@@ -478,10 +518,24 @@ def test_growing_the_room_for_contacts_does_not_change_results() -> None:
     assert grown.report() == roomy.report()
 
 
+def test_growing_the_room_for_pairs_does_not_change_results() -> None:
+    """The same in the soft solver, whose pairs and blocks run short."""
+    grown, roomy = wall(12, "soft"), wall(12, "soft")
+    roomy._store._grow(len(roomy._store.bodies), 4096)
+    room = len(grown._store.cache.pairs)
+    for world in (grown, roomy):
+        world.step(5)
+    assert room < len(grown._store.cache.pairs) < 4096
+    assert len(roomy._store.cache.pairs) == 4096
+    assert grown.state_hash() == roomy.state_hash()
+    assert grown.energy() == roomy.energy()
+
+
+@both
 @tired
-def test_growing_in_the_middle_of_a_call_is_growing_between_calls() -> None:
+def test_growing_in_the_middle_of_a_call_is_growing_between_calls(solver: str) -> None:
     """Bricks that fall: contacts become more and more within one call of many steps."""
-    one, many = wall(4), wall(4)
+    one, many = wall(4, solver), wall(4, solver)
     for world in (one, many):
         world.positions[1:, 2] += 0.3
     one.step(25)
@@ -500,7 +554,7 @@ def test_twice_the_speed_goes_four_times_as_far_unless_friction_is_viscous(liter
     """Coulomb: v^2 / (2 mu g). Word for word each micro-collision takes a part of the slip, so the power is lower."""
     distances = []
     for speed in (1.0, 2.0):
-        world = st.World(materials=table(0.5, 0.4), micro_literal=literal)
+        world = st.World(solver="micro", materials=table(0.5, 0.4), micro_literal=literal)
         world.add(st.Plane(), static=True)
         crate = world.add(st.Box((1, 1, 1)), position=(0, 0, 0.5), velocity=(speed, 0, 0))
         world.run(3.0)

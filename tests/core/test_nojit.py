@@ -17,7 +17,7 @@ import json
 import numba
 import stiction as st
 
-world = st.World()
+world = st.World(solver="micro")
 world.materials.set_pair("a", "b", static=0.5, dynamic=0.4, restitution=0.5, rolling=1e-3, torsional=1e-3)
 world.add(st.Plane(), static=True, material="a")
 world.add(st.Box((1, 1, 0.5)), position=(0, 0, 0.25), velocity=(1, 0.5, 0), angular_velocity=(0, 0, 1), material="b")

@@ -32,10 +32,11 @@ def _starts(*widths: int) -> list[int]:
     NORMAL_B, TANGENT_B, STATE, OVER,  # the same directions in the axes of b; STUCK or SLIDING; substeps over the limit
     GAP, LOAD,  # 4 + 4: separations when the manifold was made, m; normal impulses of the last substep, N s
     PLACE_U, PLACE_V,  # 4 + 4: where the points are in the plane, from the anchor, m
-    PULL, SPIN, TORSIONAL, ROLLING, STIFF, RESTITUTION,  # friction impulse (world, N s) and torque about n at the anchor
+    PULL, SPIN, TORSIONAL, ROLLING, DRIFT_U, RESTITUTION,  # friction impulse (world, N s) and torque about n at the anchor
     M_U, M_V, C_U, C_V, ARM, ROUND_CAP, COUNT, FRESH,  # second moments of the patch and of its points, m^2; mean arm
     SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, torque impulse
-    ARM_B, BELT, BELT_SPIN, LEFT,  # anchor from b's centre of mass, m; velocity of the surface of a less that of b, world, m/s
+    ARM_B, BELT, DRIFT_V, LEFT,  # anchor from b's centre of mass, m; velocity of the surface of a less that of b, world, m/s;
+    # DRIFT_U, DRIFT_V: how fast that velocity changes because bodies turn that are told to, m/s^2
     MANIFOLD_WIDTH,
 ) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3, 3, 2, 3, 3, 1, 1)  # fmt: skip
 
@@ -74,6 +75,7 @@ the anchor in the axes of a and of b, from their centres of mass, m."""
     B_RIGID,  # 1 / K_nn at the centre of pressure: the load that would stop the closing that is left
     B_LEFT,  # closing speed that the soft contact left at the centre of pressure, m/s
     B_BELT,  # 3, slip that the surfaces have by themselves: u, v, T_m times spin
+    B_DRIFT,  # 2, how fast that changes: u, v, m/s^2
     B_LOAD,  # 4, normal impulses
     B_PULL,  # 3, friction: impulse along u and v, torque impulse about n at the centre of pressure over T_m
     B_STATE, B_OVER,
@@ -81,10 +83,10 @@ the anchor in the axes of a and of b, from their centres of mass, m."""
     B_SLIP,  # 3, slip at the end of the last substep
     B_WORK,  # what friction has taken in this step, J
     B_FRESH,  # 1 for a manifold that is new in this step
-    B_ROLLING, B_ROLL,  # length of rolling resistance, m; its torque impulse about u and v, 2
+    B_ROLLING, B_ROLL, B_ROLLED,  # length of rolling resistance, m; its torque impulse about u and v, 2; its work, J
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 4, 3, 1, 1, 4, 3, 3, 1, 1, 1, 2
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1, 1, 2, 1
 )  # fmt: skip
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import clear_manifold, is_kept, margin_of, refresh_manifold, take_points
+from stiction.core.manifolds import clear_manifold, drive_work, is_kept, margin_of, refresh_manifold, take_points
 from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
@@ -159,7 +159,10 @@ def soft_step(
         if bad >= 0:
             close_soft_ledger(bodies, n, gravity, ledger)
             return BLOWN_UP, done, bad
-        ledger[FRICTION] += store_blocks(soft.blocks, soft.index, blocks, soft.manifolds, soft.reports)
+        store_blocks(bodies, soft.blocks, soft.index, blocks, soft.manifolds, soft.reports, ledger)
+        ledger[WORK] += drive_work(
+            bodies, kinds, scratch.active, active, soft.manifolds, soft.meta, soft.pose, soft.reports
+        )
         if bounces is not None:
             report_bounces(bounces[0], bounces[1], impacts, soft.reports)
         lap(profile, 7)
@@ -295,7 +298,7 @@ def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, 
             if kinds[a, ASLEEP] or kinds[b, ASLEEP]:
                 wake_island(bodies, kinds, n, a if kinds[a, ASLEEP] else b)
                 woke = True
-            refresh_manifold(bodies, a, b, manifolds, meta, pose, row)
+            refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row)
             active[count, 0], active[count, 1], active[count, 2] = a, b, row - 1
             count += 1
     if woke:

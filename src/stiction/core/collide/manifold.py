@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
+
 from stiction.core.jit import jit
 from stiction.core.state import BODY_A, BODY_B, FEATURE, NORMAL, POINT, SEPARATION
 from stiction.core.vec import Vec3, cross, dot, put_vec3
 
 POINTS = 4
 CLEARLY = 1.01
-"""A candidate must be better than a deeper one by this factor."""
+"""A candidate must be better than an earlier one by this factor."""
+SAME_DEPTH = 0.01
+"""Separations that differ by less than this part of the patch's size are the same."""
+SAME_PLACE2 = 1e-4
+"""Points nearer than the root of this part of it are in the same place."""
 ROUND = 1 << 40
 """Bit of the feature of four points that stand for a whole disc: they lie on its rim, 90 degrees apart."""
 
@@ -38,13 +44,28 @@ def emit(contacts, tags, count, a, b, point, normal, separation, feature):
 def reduce(points, n, normal):
     """Choose four of n candidate points so that the patch keeps its depth and its area; they end up in rows 0 to 3.
 
-    ``points`` is (k, 5): x, y, z, separation, feature. The deepest point, the one farthest from it in the plane, and on
-    either side of the line between them the one that spans the largest triangle. A point must be better than a deeper
-    one by ``CLEARLY`` to be preferred, so that a thin sheet does not stand on the corners of its upper face.
+    ``points`` is (k, 5): x, y, z, separation, feature. Of the deepest points the outermost one, the one farthest from it
+    in the plane, and on either side of the line between them the one that spans the largest triangle. Depths are told
+    apart only by ``SAME_DEPTH`` of the patch's size, and a point must be better than an earlier one by ``CLEARLY``: so
+    the choice does not flip while a body rocks by micrometres, and yet a thin sheet does not stand on the corners of its
+    upper face.
     """
     if n <= POINTS:
         return n
-    _sort_by_depth(points, n)
+    origin, size2 = Vec3(points[0, 0], points[0, 1], points[0, 2]), 0.0
+    middle = Vec3(0.0, 0.0, 0.0)
+    for i in range(n):
+        d = _in_plane(points, i, origin, normal)
+        size2 = max(size2, dot(d, d))
+        middle = middle + d * (1.0 / n)
+    same = _sort_by_depth(points, n, normal, size2)
+    outermost, best = 0, 0.0
+    for i in range(same):
+        d = _in_plane(points, i, origin, normal) - middle
+        if dot(d, d) > best * CLEARLY:
+            outermost, best = i, dot(d, d)
+    _swap(points, 0, outermost)
+
     origin = Vec3(points[0, 0], points[0, 1], points[0, 2])
     farthest, best = 1, 0.0
     for i in range(1, n):
@@ -74,13 +95,33 @@ def _in_plane(points, i, origin, normal):
 
 
 @jit
-def _sort_by_depth(points, n):
-    """Insertion sort by separation, equal ones in their order."""
+def _sort_by_depth(points, n, normal, size2):
+    """Insertion sort by depth, equal ones in their order; returns how many are as deep as the deepest.
+
+    Of two points in the same place of the plane the deeper one comes first, however little deeper.
+    """
+    deepest = points[0, 3]
+    for i in range(1, n):
+        deepest = min(deepest, points[i, 3])
+    unit = SAME_DEPTH * math.sqrt(size2) + 1e-12
     for i in range(1, n):
         j = i
-        while j > 0 and points[j, 3] < points[j - 1, 3]:
+        while j > 0 and _is_before(points, j, j - 1, normal, size2, deepest, unit):
             _swap(points, j, j - 1)
             j -= 1
+    same = 1
+    while same < n and points[same, 3] - deepest < unit:
+        same += 1
+    return same
+
+
+@jit
+def _is_before(points, i, j, normal, size2, deepest, unit):
+    depth_i, depth_j = math.floor((points[i, 3] - deepest) / unit), math.floor((points[j, 3] - deepest) / unit)
+    if depth_i != depth_j:
+        return depth_i < depth_j
+    d = _in_plane(points, i, Vec3(points[j, 0], points[j, 1], points[j, 2]), normal)
+    return dot(d, d) < SAME_PLACE2 * size2 and points[i, 3] < points[j, 3]
 
 
 @jit

@@ -21,6 +21,7 @@ from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, least, load, scatter, select, size_of, store
 from stiction.core.solve.blocks import get3, get4, get6, put3, put4
 from stiction.core.solve.normals import Four, Sym4, lowest, non_negative, times4
+from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, ROLLING_LOSS
 from stiction.core.vec import Vec3, columns, cross, dot, put_vec3, transpose
 
 SUBSTEPS = 8
@@ -138,7 +139,8 @@ def warm_block(i, blocks, index, count, rows):
     pull = get3(blocks, o + s.B_PULL)
     px, py = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1)
     v, w = twist_of(blocks, o, transpose(B), va, wa, vb, wb)
-    put3(blocks, o + s.B_SLIP, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * load(blocks, o + s.B_TORQUE)))
+    slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * load(blocks, o + s.B_TORQUE))
+    put3(blocks, o + s.B_SLIP, slip + get3(blocks, o + s.B_BELT))
     force = Vec3(lam.a + lam.b + lam.c + lam.d, pull.x, pull.y)
     torque = Vec3(
         pull.z * load(blocks, o + s.B_TORQUE) + px * pull.y - py * pull.x,
@@ -191,6 +193,8 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     mu_s, mu_d = load(blocks, o + s.B_MU_S), load(blocks, o + s.B_MU_D)
     rigid, left0 = load(blocks, o + s.B_RIGID), load(blocks, o + s.B_LEFT)
     belt = get3(blocks, o + s.B_BELT)
+    drift = Vec3(load(blocks, o + s.B_DRIFT) * h, load(blocks, o + s.B_DRIFT + 1) * h, belt.z)
+    belt = belt + drift
     lam0, pull0 = get4(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL)
     roll_u0, roll_v0 = load(blocks, o + s.B_ROLL), load(blocks, o + s.B_ROLL + 1)
     lam, pull, roll_u, roll_v, left = lam0, pull0, roll_u0, roll_v0, left0
@@ -303,9 +307,11 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     if rolls is not None:
         store(blocks, o + s.B_ROLL, roll_u)
         store(blocks, o + s.B_ROLL + 1, roll_v)
-        rolled = roll_u * w.y + roll_v * w.z
-        store(blocks, o + s.B_WORK, load(blocks, o + s.B_WORK) + rolled)
+        if not cold:
+            rolled = load(blocks, o + s.B_ROLLED) + (roll_u * w.y + roll_v * w.z)
+            store(blocks, o + s.B_ROLLED, rolled)
     if not cold:
+        put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
         decide_state(blocks, o, sliding, inside, pull, mu_s * N, surface)
         keep_sums(blocks, o, lam, pull, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt)
@@ -365,19 +371,29 @@ def has_fresh(blocks, i):
 
 
 @jit
-def store_blocks(blocks, index, count, manifolds, reports):
-    """Give the manifolds back what the step has made of them; returns the work of friction, J.
+def store_blocks(bodies, blocks, index, count, manifolds, reports, ledger):
+    """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
     A lane that was padded names the manifold of nobody.
     """
-    work = 0.0
     for i in range(count):
         o = i * s.FIELDS
         for lane in range(LANES):
             row = index[i + 2 * count, lane]
             if row > 0:
-                work += store_lane(blocks, o, lane, manifolds, reports, row)
-    return work
+                slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
+                store_lane(blocks, o, lane, manifolds, reports, row)
+                friction, rolling = blocks[o + s.B_WORK, lane] * 1.0, blocks[o + s.B_ROLLED, lane] * 1.0
+                ledger[FRICTION] += friction
+                ledger[ROLLING_LOSS] += rolling
+                if slid or rolling > 0.0:
+                    a, b = index[i, lane] - 1, index[i + count, lane] - 1
+                    both = bodies[a, INVERSE_MASS] > 0.0 and bodies[b, INVERSE_MASS] > 0.0
+                    share = (friction + rolling) * (0.5 if both else 1.0)
+                    if bodies[a, INVERSE_MASS] > 0.0:
+                        bodies[a, FRICTION_WORK] += share
+                    if bodies[b, INVERSE_MASS] > 0.0:
+                        bodies[b, FRICTION_WORK] += share
 
 
 @jit
@@ -401,4 +417,3 @@ def store_lane(blocks, o, lane, manifolds, reports, row):
     manifolds[row, s.ROLL], manifolds[row, s.ROLL + 1] = blocks[o + s.B_ROLL, lane], blocks[o + s.B_ROLL + 1, lane]
     manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
     manifolds[row, s.FRESH] = 0.0
-    return float(blocks[o + s.B_WORK, lane])
