@@ -14,18 +14,23 @@ from stiction.errors import (
     StictionError,
     StictionWarning,
 )
+from stiction.events import ContactEvents, EventKind
 from stiction.materials import MaterialTable, PairProperties
 from stiction.motion import Motion
+from stiction.queries import RayHit, RayHits
+from stiction.reports import Energy, SolverReport
 from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
-from stiction.world import Energy, SolverReport, World
+from stiction.world import World
 
 __all__ = [
     "Body",
     "Box",
     "Capsule",
+    "ContactEvents",
     "ConvexHull",
     "Cylinder",
     "Energy",
+    "EventKind",
     "InvalidInputError",
     "IterationLimitWarning",
     "MaterialTable",
@@ -35,6 +40,8 @@ __all__ = [
     "OutputError",
     "PairProperties",
     "Plane",
+    "RayHit",
+    "RayHits",
     "Shape",
     "SimulationError",
     "SolverReport",

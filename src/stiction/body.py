@@ -35,7 +35,9 @@ class Body:
 
     @property
     def index(self) -> int:
-        """Row of this body in the world's arrays."""
+        """Row of this body in the world's arrays; it changes when an older body is removed."""
+        if self._index < 0:
+            raise InvalidInputError(f"body {self.name!r} was removed from its world and can no longer be used.")
         return self._index
 
     @property
@@ -54,7 +56,8 @@ class Body:
         return self._material
 
     def __repr__(self) -> str:
-        return f"<Body {self.name!r} ({self.mobility} {self.shape.kind}, {self.material})>"
+        mobility = self.mobility if self._index >= 0 else "removed"
+        return f"<Body {self.name!r} ({mobility} {self.shape.kind}, {self.material})>"
 
     # --- state --------------------------------------------------------------------------------------------------------
 
@@ -106,6 +109,31 @@ class Body:
     @surface_velocity.setter
     def surface_velocity(self, value: ArrayLike) -> None:
         self._set("SURFACE", checks.vector(f"surface_velocity of body {self.name!r}", value))
+
+    # --- whom it meets ------------------------------------------------------------------------------------------------
+
+    @property
+    def layer(self) -> int:
+        """A whole number whose bits are the layers that the body is on. Setting wakes it and what touches it."""
+        return self._world._read_kind(self.index, "LAYER")
+
+    @layer.setter
+    def layer(self, value: int) -> None:
+        self._world._write_kind(self.index, "LAYER", checks.layers(f"layer of body {self.name!r}", value))
+
+    @property
+    def mask(self) -> int:
+        """A whole number whose bits are the layers that it meets, -1 for all. Setting wakes it and what touches it."""
+        return self._world._read_kind(self.index, "MASK")
+
+    @mask.setter
+    def mask(self, value: int) -> None:
+        self._world._write_kind(self.index, "MASK", checks.layers(f"mask of body {self.name!r}", value))
+
+    @property
+    def sensor(self) -> bool:
+        """Whether the body only notices who overlaps it."""
+        return self._world._read_kind(self.index, "SENSOR") != 0
 
     # --- mass ---------------------------------------------------------------------------------------------------------
 

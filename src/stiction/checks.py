@@ -19,6 +19,8 @@ Vector = NDArray[np.float64]
 
 SMALLEST_LENGTH, LARGEST_LENGTH = 1e-12, 1e12
 SMALLEST_MASS, LARGEST_MASS = 1e-40, 1e40
+ALL_LAYERS = -1
+"""All bits of a mask."""
 
 
 def number(name: str, value: Any) -> float:
@@ -71,6 +73,29 @@ def vector(name: str, value: Any, length: int = 3) -> Vector:
     if not np.isfinite(result).all():
         raise InvalidInputError(f"{name} must be {length} finite numbers, got {value!r}.")
     return result
+
+
+def vectors(name: str, value: Any) -> Vector:
+    """Finite float64 vectors, (k, 3) or (3,), always a copy."""
+    try:
+        given = np.asarray(value)
+        if given.dtype.kind in "bcUS":
+            raise ValueError
+        result = np.array(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInputError(f"{name} must be finite vectors, (k, 3), got {value!r}.") from None
+    if result.ndim not in (1, 2) or result.shape[-1] != 3:
+        raise InvalidInputError(f"{name} must have shape (k, 3) or (3,), got shape {result.shape}.")
+    if not np.isfinite(result).all():
+        raise InvalidInputError(f"{name} must be finite, got {result[~np.isfinite(result).all(axis=-1)]}.")
+    return result
+
+
+def layers(name: str, value: Any) -> int:
+    """A set of layers, as the bits of a whole number of 64 bits."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not -(2**63) <= int(value) < 2**63:
+        raise InvalidInputError(f"{name} must be a whole number of 64 bits, one a layer (-1 for all), got {value!r}.")
+    return int(value)
 
 
 def unit_vector(name: str, value: Any) -> Vector:

@@ -6,14 +6,16 @@ import time
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stiction.core import soft_rows, soft_step, state
+from stiction.core import pairs as p
+from stiction.core import questions, removal, soft_rows, soft_step, state, touching
 from stiction.core.clock import STAGES
 from stiction.core.colouring import COLOURS
-from stiction.core.pairs import PAIRS, grow_pair_cache, make_pair_cache
+from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, grow_pair_cache, make_pair_cache
 from stiction.core.soft_report import report_contacts
-from stiction.core.tree import grow_tree, make_tree
-from stiction.store import CHUNK, Array, Store, StepFailure, announce_compilation
+from stiction.core.tree import NONE, RIGHT, grow_tree, make_tree
+from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilation, close_gaps
 
 PRECISIONS = {"single": np.float32, "double": np.float64}
 
@@ -32,12 +34,16 @@ class SoftStore(Store):
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
         self.seconds = 0.0
         self._reported = -1
+        self._edited: set[int] = set()
+        self._tree_is_fresh = False
 
     def step(self, steps: int, settings: state.Settings, table: Array) -> StepFailure | None:
         """Take steps; growing where room is short. Returns the failure that stopped them, or None."""
         if self.n == 0:
             self.steps += steps
             return None
+        self._tree_is_fresh = False
+        self._edited.clear()
         left = steps
         began = time.perf_counter()
         while left:
@@ -72,10 +78,17 @@ class SoftStore(Store):
             self.lists = state.make_lists(len(self.bodies), len(self.contacts), 0)
         return self.lists
 
+    def add(self, row: dict[int, Any], shape: int, mobility: int, material: int) -> int:
+        """Append a body; ``row`` maps a column to the numbers that start there. Returns its index."""
+        self._tree_is_fresh = False
+        return super().add(row, shape, mobility, material)
+
     def edited(self, index: int) -> None:
         """Body ``index`` was changed from outside: it wakes with all that touch it."""
         counts = self.scratch.counts
-        if index < counts[soft_step.N_KNOWN] and counts[soft_step.N_EDITED] < len(self.bodies):
+        self._tree_is_fresh = False
+        if index < counts[soft_step.N_KNOWN] and index not in self._edited:
+            self._edited.add(index)
             self.scratch.bodies[soft_step.EDITED, counts[soft_step.N_EDITED]] = index
             counts[soft_step.N_EDITED] += 1
 
@@ -94,6 +107,93 @@ class SoftStore(Store):
             if self.m <= len(self.contacts):
                 return
             self.contacts, self.tags = state.make_contacts(self.m)
+
+    def touching_pairs(self) -> tuple[NDArray[np.int64], Array]:
+        """Names of the pairs that touch: those with load, and, where there are sensors, those that overlap one now."""
+        count = int(self.cache.counts[PAIRS])
+        names, loads = np.zeros(count, np.int64), np.zeros(count)
+        found = touching.loaded_pairs(
+            self.cache.pairs, count, self.soft.meta, self.soft.reports, names, loads
+        )  # fmt: skip
+        names, loads = names[:found], loads[:found]
+        if self.sensors:
+            sensed = np.zeros(count, np.int64)
+            found = touching.sensed_pairs(
+                self.bodies, self.kinds, self.hulls.arrays, self.cache.pairs, count, self.points, sensed
+            )  # fmt: skip
+            names = np.concatenate([names, sensed[:found]])
+            order = np.argsort(names)
+            names, loads = names[order], np.concatenate([loads, np.zeros(found)])[order]
+        return names, loads
+
+    def fresh_tree(self, gravity: float, dt: float) -> tuple[Any, Any]:
+        """The tree of the step, with all bodies where they are now."""
+        counts = self.scratch.counts
+        if not self._tree_is_fresh or counts[soft_step.WATCHED]:
+            questions.refresh_tree(
+                self.tree, self.cache, self.bodies, self.kinds, self.n, counts[soft_step.N_KNOWN],
+                self.scratch.bodies[soft_step.GROUP], gravity, dt,
+            )  # fmt: skip
+            self._tree_is_fresh = True
+        return self.tree, self.cache
+
+    def remove(self, keep: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Keep the bodies that ``keep`` (n,) marks, in their order, and wake what touched the others."""
+        n, left = self.n, int(np.count_nonzero(keep))
+        new = np.where(keep, np.cumsum(keep) - 1, NONE)
+        self._wake_neighbours(keep)
+        self._drop_pairs(keep, new)
+        removal.drop_leaves(self.tree, np.flatnonzero(~keep))
+        leaf = self.tree.leaf
+        close_gaps(leaf[:n], keep)
+        leaf[left:n] = NONE
+        self.tree.links[leaf[:left][leaf[:left] != NONE], RIGHT] = np.flatnonzero(leaf[:left] != NONE)
+
+        cache, counts, lists = self.cache, self.scratch.counts, self.scratch.bodies
+        for count, row in ((p.TOUCHED, p.TOUCHED_LIST), (p.MOVED, p.MOVED_LIST), (p.PLANES, p.PLANES_LIST)):
+            cache.counts[count] = _renumber(cache.lists[row], cache.counts[count], new)
+        counts[soft_step.N_EDITED] = _renumber(lists[soft_step.EDITED], counts[soft_step.N_EDITED], new)
+        self._edited = set(lists[soft_step.EDITED, : counts[soft_step.N_EDITED]].tolist())
+        counts[soft_step.N_KNOWN] = np.count_nonzero(keep[: counts[soft_step.N_KNOWN]])
+        counts[soft_step.STALE] = 1
+        lists[soft_step.MARK] = 0
+
+        asleep = self.kinds[:n, state.ASLEEP] != 0
+        self.kinds[:n, state.ISLAND][asleep] = new[self.kinds[:n, state.ISLAND][asleep]]
+        close_gaps(cache.marks[:n], keep)
+        cache.marks[left:n] = 0
+        for rows in (self.soft.pose, self.soft.rows, self.soft.aux):
+            close_gaps(rows[1 : n + 1], keep)
+            rows[left + 1 : n + 1] = 0
+        self._close_gaps(keep)
+        return new
+
+    def _wake_neighbours(self, keep: NDArray[np.bool_]) -> None:
+        """Wake the islands of bodies that go, and of those that touch them."""
+        n, kinds = self.n, self.kinds[: self.n]
+        pairs = self.cache.pairs[: self.cache.counts[PAIRS]]
+        a, b = pairs[:, PAIR_A], pairs[:, PAIR_B]
+        touch = (keep[a] != keep[b]) & (self.soft.meta[pairs[:, SLOT] + 1, soft_rows.POINTS] > 0.0)
+        roused = ~keep
+        roused[a[touch]] = roused[b[touch]] = True
+        asleep = kinds[:, state.ASLEEP] != 0
+        wakes = asleep & np.isin(kinds[:, state.ISLAND], kinds[roused & asleep, state.ISLAND])
+        kinds[wakes, state.ASLEEP] = 0
+        self.bodies[:n][wakes, state.REST] = 0.0
+
+    def _drop_pairs(self, keep: NDArray[np.bool_], new: NDArray[np.int64]) -> None:
+        """End the pairs of the bodies that go, and renumber the others, whose order stays."""
+        cache, counts = self.cache, self.cache.counts
+        pairs = cache.pairs[: counts[PAIRS]]
+        stay = keep[pairs[:, PAIR_A]] & keep[pairs[:, PAIR_B]]
+        slots = pairs[~stay, SLOT]
+        cache.free[counts[p.FREE] : counts[p.FREE] + len(slots)] = slots
+        counts[p.FREE] += len(slots)
+        kept = pairs[stay]
+        kept[:, PAIR_A], kept[:, PAIR_B] = new[kept[:, PAIR_A]], new[kept[:, PAIR_B]]
+        counts[PAIRS] = len(kept)
+        cache.pairs[: len(kept)] = kept
+        counts[p.BEGUN] = counts[p.ENDED] = 0
 
     def profile(self) -> dict[str, float]:
         """Seconds of each stage since :meth:`reset_profile`."""
@@ -129,3 +229,11 @@ def _grown(old: Any, new: Any) -> Any:
     for source, target in zip(old, new, strict=True):
         target[tuple(slice(k) for k in source.shape)] = source
     return new
+
+
+def _renumber(numbers: NDArray[np.int64], count: int, new: NDArray[np.int64]) -> int:
+    """Bodies in the first rows get their new numbers, those that are gone are dropped; returns how many remain."""
+    kept = new[numbers[:count]]
+    kept = kept[kept != NONE]
+    numbers[: len(kept)] = kept
+    return len(kept)

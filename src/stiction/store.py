@@ -46,6 +46,8 @@ class Store:
         self.dynamic_boxes = 0
         self.polytopes = 0
         self.hulls = HullTable()
+        self.sensors = 0
+        self.points = np.zeros((state.SCRATCH, 5))
 
     def add(self, row: dict[int, Any], shape: int, mobility: int, material: int) -> int:
         """Append a body; ``row`` maps a column to the numbers that start there. Returns its index."""
@@ -68,6 +70,61 @@ class Store:
         self.polytopes += shape in {state.CAPSULE, state.CYLINDER, state.HULL}
         self.n += 1
         return i
+
+    def remove(self, keep: NDArray[np.bool_]) -> NDArray[np.int64]:
+        """Keep the bodies that ``keep`` (n,) marks, in their order. Returns the new number of each, (n,), -1 if gone.
+
+        The numbers of boxes and so on stay: they only say what has to be compiled, and less would be compiled anew.
+        """
+        n, left = self.n, int(np.count_nonzero(keep))
+        new = np.where(keep, np.cumsum(keep) - 1, -1)
+        order = self.lists.order[self.lists.order < n]
+        order = new[order]
+        self.lists.order[:n] = np.concatenate([order[order >= 0], np.arange(left, n)])
+        tags = new[self.tags[: self.m, state.BODY_A : state.BODY_B + 1]]
+        stay = (tags >= 0).all(axis=1)
+        rows = self.contacts[: self.m][stay], self.tags[: self.m][stay]
+        rows[1][:, state.BODY_A : state.BODY_B + 1] = tags[stay]
+        self.m = len(rows[0])
+        self.contacts[: self.m], self.tags[: self.m] = rows
+        self._close_gaps(keep)
+        return new
+
+    def _close_gaps(self, keep: NDArray[np.bool_]) -> None:
+        """Move the rows of bodies up, and leave those behind them as they were made."""
+        n, left = self.n, int(np.count_nonzero(keep))
+        self.sensors -= int(np.count_nonzero(self.kinds[:n, state.SENSOR][~keep]))
+        spare = state.make_bodies(n - left)
+        for rows, unused in zip((self.bodies, self.kinds), spare, strict=True):
+            close_gaps(rows[:n], keep)
+            rows[left:n] = unused
+        self.n = left
+
+    def touching_pairs(self) -> tuple[NDArray[np.int64], Array]:
+        """Names of the pairs that touched in the last step, sorted (a in the upper half, b), and impulses, N s."""
+        loaded = self.contacts[: self.m, state.TOTAL] > 0.0
+        tags = self.tags[: self.m][loaded]
+        names, inverse = np.unique((tags[:, state.BODY_A] << 32) | tags[:, state.BODY_B], return_inverse=True)
+        impulses = np.zeros(len(names))
+        np.add.at(impulses, inverse, self.contacts[: self.m, state.TOTAL][loaded])
+        return names.astype(np.int64), impulses
+
+    def fresh_tree(self, gravity: float, dt: float) -> tuple[Any, Any]:
+        """A tree of the bodies where they are now, and what goes with it, for queries. Here it is made for each."""
+        from stiction.core.pairs import make_pair_cache
+        from stiction.core.questions import refresh_tree
+        from stiction.core.tree import make_tree
+
+        tree, cache = make_tree(self.n), make_pair_cache(self.n, 1)
+        refresh_tree(tree, cache, self.bodies, self.kinds, self.n, 0, np.zeros(self.n, np.int64), gravity, dt)
+        return tree, cache
+
+    def profile(self) -> dict[str, float]:
+        """Seconds of each stage since :meth:`reset_profile`; none are counted here."""
+        return {}
+
+    def reset_profile(self) -> None:
+        """Begin to count anew."""
 
     def column(self, start: int, width: int) -> Array:
         """A view of the same numbers of all bodies, (n, width), valid until a body is added."""
@@ -134,6 +191,13 @@ class Store:
         order = self.lists.order
         self.lists = state.make_lists(len(self.bodies), len(self.contacts), pairs)
         self.lists.order[:] = order
+
+
+def close_gaps(rows: NDArray[Any], keep: NDArray[np.bool_]) -> None:
+    """Move the rows that are kept up to the front, in their order; those before the first gap stay untouched."""
+    first = int(np.argmin(keep))
+    kept = rows[first:][keep[first:]]
+    rows[first : first + len(kept)] = kept
 
 
 _announced = False

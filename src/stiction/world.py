@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import math
 import warnings
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction import checks
-from stiction.body import Body, checked_inertia
+from stiction.body import Body
+from stiction.body_rows import check_mobility, code_and_size, mass_columns
 from stiction.contacts import CONTACT_DTYPE
 from stiction.errors import InvalidInputError, IterationLimitWarning, NotYetError, SimulationError
+from stiction.events import ContactEvents, EventLog
 from stiction.materials import MaterialTable
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+from stiction.queries import Queries
+from stiction.reports import Energy, SolverReport
+from stiction.shapes import Shape
 
 Array = NDArray[np.float64]
 
@@ -24,63 +29,12 @@ SOLVERS = ("micro", "soft", "exact")
 AVAILABLE_SOLVERS = ("soft", "micro")
 SUBSTEPS = 8
 """Of the soft solver."""
-DEFAULT_DENSITY = 1000.0
-"""kg/m^3, of a body that is given neither mass nor density."""
 MOST_STEPS = 10**12
 """Steps of one run at most; more would take years."""
 MOBILITIES = ("static", "kinematic", "dynamic")
 
 
-class Energy(NamedTuple):
-    """The ledger of a world, J. It closes: ``kinetic + potential == initial + work + edits + numerical - dissipated``.
-
-    Attributes:
-        kinetic, potential: of all dynamic bodies now; heights are measured from the origin along gravity.
-        friction, rolling, impacts: what sliding friction, rolling and torsional resistance, and the normal part of
-            collisions have dissipated so far.
-        work: what applied forces and torques, kinematic bodies and moving surfaces have put in so far.
-        edits: what adding, moving or pushing bodies from outside has changed since the first step.
-        numerical: what the integrator and the removal of penetrations have made (or, negative, lost) so far.
-        initial: kinetic and potential energy at the first step.
-    """
-
-    kinetic: float
-    potential: float
-    friction: float
-    rolling: float
-    impacts: float
-    work: float
-    edits: float
-    numerical: float
-    initial: float
-
-    @property
-    def dissipated(self) -> float:
-        """Friction, rolling and impacts together, J."""
-        return self.friction + self.rolling + self.impacts
-
-    @property
-    def residual(self) -> float:
-        """By how much the ledger does not close, J: rounding, and nothing else."""
-        put_in = self.initial + self.work + self.edits + self.numerical
-        return self.kinetic + self.potential - put_in + self.dissipated
-
-
-class SolverReport(NamedTuple):
-    """What the solver did since the world began.
-
-    Attributes:
-        visits: contacts resolved: of penetrations, impacts and resting contact.
-        limit_hits: steps in which the iteration limit stopped each of them.
-        worst: largest error that was left by that: m, m/s, m/s.
-    """
-
-    visits: tuple[int, int, int]
-    limit_hits: tuple[int, int, int]
-    worst: tuple[float, float, float]
-
-
-class World:
+class World(Queries):
     """A world of rigid bodies.
 
     Args:
@@ -123,7 +77,9 @@ class World:
         if self._solver not in AVAILABLE_SOLVERS:
             raise NotYetError(f"solver {solver!r} is not there yet; this version has {', '.join(AVAILABLE_SOLVERS)}.")
         soft = self._solver == "soft"
-        self._substeps = (SUBSTEPS if soft else 1) if substeps is None else checks.integer("substeps", substeps, minimum=1)
+        self._substeps = (
+            (SUBSTEPS if soft else 1) if substeps is None else checks.integer("substeps", substeps, minimum=1)
+        )
         if not soft and self._substeps != 1:
             raise NotYetError(f"substeps must be 1 with solver 'micro', got {substeps!r}; use a smaller dt.")
         default = "single" if soft else "double"
@@ -155,6 +111,8 @@ class World:
             self._store = SoftStore(precision)
         self._bodies: list[Body] = []
         self._by_name: dict[str, Body] = {}
+        self._added = 0
+        self._events: EventLog | None = None
         self._material_names: list[str] = []
         self._table = np.zeros((0, 0, 5))
         self._table_of: tuple[int, int, int] | None = None
@@ -179,6 +137,9 @@ class World:
         material: str = "default",
         name: str | None = None,
         surface_velocity: ArrayLike | None = None,
+        layer: int = 1,
+        mask: int = checks.ALL_LAYERS,
+        sensor: bool = False,
     ) -> Body:
         """Add a body and return it.
 
@@ -194,14 +155,19 @@ class World:
             material: its name in the world's table.
             name: unique; made from shape and number if left out.
             surface_velocity: of a belt relative to the body, in the shape's axes, (3,), m/s.
+            layer: a whole number whose bits are the layers that the body is on. mask: the layers that it meets, -1 for
+                all of them. Two bodies meet if each is on a layer that the other one meets.
+            sensor: it notices who overlaps it (:meth:`overlaps`, :meth:`contact_events`), and neither pushes nor is
+                pushed; a dynamic one falls freely.
 
         Raises:
             InvalidInputError: a value is not allowed; the world is as before.
+            NotYetError: a sensor in a world of ``micro``.
         """
         state = self._state
-        fixed = self._checked_mobility(shape, static, kinematic)
+        fixed = check_mobility(shape, static, kinematic)
         if name is None:
-            name = f"{shape.kind} {len(self._bodies)}"
+            name = f"{shape.kind} {self._added}"
         if not isinstance(name, str) or not name:
             raise InvalidInputError(f"name must be a text that is not empty, got {name!r}.")
         if name in self._by_name:
@@ -220,79 +186,53 @@ class World:
                 f"velocity and angular_velocity of static body {name!r} must be zero (a kinematic body moves, "
                 f"surface_velocity makes a belt)."
             )
-        row.update(self._checked_mass(shape, fixed, mass, density, inertia))
+        row.update(mass_columns(shape, fixed, mass, density, inertia))
+        bits = checks.layers("layer", layer), checks.layers("mask", mask)
+        if not isinstance(sensor, bool):
+            raise InvalidInputError(f"sensor must be True or False, got {sensor!r}.")
+        if sensor and self._solver != "soft":
+            raise NotYetError(f"sensors are not there yet with solver {self._solver!r}; solver 'soft' has them.")
         if not isinstance(material, str) or material not in self.materials:
             self.materials.pair(material, material)  # raises, and names the nearest one
 
-        code, row[state.SIZE] = self._code_and_size(shape)
+        code, row[state.SIZE] = code_and_size(shape, self._store.hulls)
         mobility = state.STATIC if static else state.KINEMATIC if kinematic else state.DYNAMIC
         index = self._store.add(row, code, mobility, self._material_row(material))
+        self._store.kinds[index, state.LAYER : state.SENSOR + 1] = *bits, sensor
+        self._store.sensors += sensor
+        self._added += 1
         body = Body(self, index, name, shape, material)
         self._bodies.append(body)
         self._by_name[name] = body
         return body
 
-    def _code_and_size(self, shape: Shape) -> tuple[int, Array]:
-        """How core names the shape, and its four numbers of SIZE."""
-        state = self._state
-        match shape:
-            case Sphere():
-                return state.SPHERE, np.array((shape.radius, 0.0, 0.0, 0.0))
-            case Plane():
-                return state.PLANE, np.array((*shape.normal, shape.offset))
-            case Capsule():
-                return state.CAPSULE, np.array((shape.radius, shape.radius, 0.5 * shape.length + shape.radius, 0.0))
-            case Cylinder():
-                return state.CYLINDER, np.array((shape.radius, shape.radius, 0.5 * shape.length, 0.0))
-            case ConvexHull():
-                return state.HULL, np.array((*np.abs(shape.points).max(axis=0), self._store.hulls.add(shape)))
-        assert isinstance(shape, Box)
-        x, y, z = shape.size
-        return state.BOX, np.array((0.5 * x, 0.5 * y, 0.5 * z, 0.0))
+    def remove(self, body: Body | Iterable[Body]) -> None:
+        """Take a body out of the world, or many at once, which is faster than one by one.
 
-    def _checked_mobility(self, shape: Any, static: Any, kinematic: Any) -> bool:
-        """Whether the body is not dynamic."""
-        if not isinstance(shape, Shape):
-            raise InvalidInputError(f"shape must be a stiction shape such as Box((1, 1, 1)), got {shape!r}.")
-        for name, value in (("static", static), ("kinematic", kinematic)):
-            if not isinstance(value, (bool, np.bool_)):
-                raise InvalidInputError(f"{name} must be True or False, got {value!r}.")
-        if static and kinematic:
-            raise InvalidInputError("static and kinematic must not both be True.")
-        if isinstance(shape, Plane) and not (static or kinematic):
-            raise InvalidInputError("a Plane must be static=True or kinematic=True, for it has no finite mass.")
-        if not isinstance(shape, (Sphere, Box, Plane, Capsule, Cylinder, ConvexHull)):
-            raise InvalidInputError(f"shape must be one of stiction's shapes, got a {type(shape).__name__}.")
-        return bool(static or kinematic)
+        The others keep their order, their indices close the gaps, and what rested on it wakes. A removed body can no
+        longer be used, and its name is free again. Ask for the world's arrays again afterwards.
 
-    def _checked_mass(
-        self, shape: Shape, fixed: bool, mass: float | None, density: float | None, inertia: ArrayLike | None
-    ) -> dict[int, Any]:
-        """Columns of mass and inertia."""
-        state = self._state
-        if mass is not None and density is not None:
-            raise InvalidInputError(f"mass and density must not both be given, got {mass!r} kg and {density!r} kg/m^3.")
-        if mass is not None:
-            mass = checks.mass("mass", mass)
-        if density is not None:
-            density = checks.positive("density", density, "kg/m^3")
-        if fixed:
-            if inertia is not None:
-                raise InvalidInputError("inertia must be left out for a body that is not dynamic.")
-            return {}
-        properties = shape.mass_properties
-        if mass is not None:
-            density = mass / properties.volume
-        density = DEFAULT_DENSITY if density is None else density
-        mass = checks.mass("mass (density times volume)", density * properties.volume) if mass is None else mass
-        tensor = properties.inertia * density if inertia is None else checked_inertia("inertia", inertia)
-        return {
-            state.MASS: mass,
-            state.INVERSE_MASS: 1.0 / mass,
-            state.CENTER: properties.center_of_mass,
-            state.INERTIA: tensor,
-            state.INVERSE_INERTIA: np.linalg.inv(tensor),
-        }
+        Raises:
+            InvalidInputError: it is not in this world, or given twice; the world is as before.
+        """
+        gone = [body] if isinstance(body, (Body, str)) or not isinstance(body, Iterable) else list(body)
+        keep = np.ones(len(self._bodies), dtype=np.bool_)
+        for one in gone:
+            self._own("body", one)
+            if not keep[one.index]:
+                raise InvalidInputError(f"body must not hold {one.name!r} twice.")
+            keep[one.index] = False
+        if not gone:
+            return
+        new = self._store.remove(keep)
+        if self._events is not None:
+            self._events.renumber(new)
+        for one in gone:
+            del self._by_name[one.name]
+            one._index = -1
+        self._bodies = [one for one in self._bodies if one._index >= 0]
+        for index, one in enumerate(self._bodies):
+            one._index = index
 
     @property
     def bodies(self) -> tuple[Body, ...]:
@@ -318,7 +258,10 @@ class World:
 
     @property
     def positions(self) -> Array:
-        """(n, 3) m, of all bodies in order of creation. A view: writing moves bodies. Ask again after adding one."""
+        """(n, 3) m, of all bodies in order of creation. A view: writing moves bodies.
+
+        Ask for it and the arrays below again after adding or removing a body.
+        """
         self._store.watch()
         return self._store.column(self._state.POSITION, 3)
 
@@ -393,7 +336,8 @@ class World:
         """
         steps = n if type(n) is int and n > 0 else checks.integer("n", n, minimum=1)
         store = self._store
-        failure = store.step(steps, self._settings, self._pair_table())
+        step = store.step if self._events is None else functools.partial(self._events.follow, store)
+        failure = step(steps, self._settings, self._pair_table())
         if failure is not None:
             body = self._bodies[failure.body]
             last = {k: getattr(body, k) for k in ("position", "orientation", "velocity", "angular_velocity")}
@@ -422,8 +366,8 @@ class World:
         Args:
             body: only those of this body.
         """
-        if body is not None and (not isinstance(body, Body) or body._world is not self):
-            raise InvalidInputError(f"body must be a body of this world, got {body!r}.")
+        if body is not None:
+            self._own("body", body)
         state, store = self._state, self._store
         store.collect_contacts()
         numbers, tags = store.contacts[: store.m], store.tags[: store.m]
@@ -440,6 +384,37 @@ class World:
         rows["friction_impulse"] = numbers[:, state.TOTAL_FRICTION : state.TOTAL_FRICTION + 3]
         rows["sticking"] = (numbers[:, state.TOTAL] > 0.0) & (tags[:, state.STATUS] & state.SLIDING != state.SLIDING)
         return rows
+
+    @property
+    def record_events(self) -> bool:
+        """Whether steps record which contacts begin and end, for :meth:`contact_events`.
+
+        False at first, and then it costs nothing. A step that records costs a look at all pairs more.
+        """
+        return self._events is not None
+
+    @record_events.setter
+    def record_events(self, value: bool) -> None:
+        if not isinstance(value, bool):
+            raise InvalidInputError(f"record_events must be True or False, got {value!r}.")
+        if value != self.record_events:
+            self._events = EventLog(self._store) if value else None
+
+    def contact_events(self) -> ContactEvents:
+        """Which pairs of bodies began and ended to touch in the last call of :meth:`step`, and which touch at its end.
+
+        Two bodies touch in a step in which their contact carries load; a sensor and a body where their shapes overlap
+        at its end. Pairs that touched already when recording began give no event for that; removing a body gives none,
+        and takes its events along.
+
+        Raises:
+            InvalidInputError: ``record_events`` was not set to True.
+        """
+        if self._events is None:
+            raise InvalidInputError(
+                "record_events must be set to True before the steps whose contact events are asked for."
+            )
+        return self._events.events(self._store.kinds[: len(self), self._state.SENSOR] != 0)
 
     def energy(self) -> Energy:
         """The ledger of energy, J."""
@@ -461,6 +436,25 @@ class World:
         visits, hits = (tuple(int(x) for x in report[:, k]) for k in (self._state.VISITS, self._state.LIMITS))
         worst = tuple(float(x) for x in report[:, self._state.WORST])
         return SolverReport(visits, hits, worst)  # type: ignore[arg-type]  # three rows by construction
+
+    def profile(self, steps: int) -> dict[str, float]:
+        """Take steps, and tell how long each stage of them took, in ms a step.
+
+        Of several steps the first one is not counted: it may have to compile.
+
+        Raises:
+            InvalidInputError: steps is not a whole number, 1 or more.
+            NotYetError: in a world of ``micro``.
+        """
+        count = checks.integer("steps", steps, minimum=1)
+        if self._solver != "soft":
+            raise NotYetError(f"profile is not there yet with solver {self._solver!r}; solver 'soft' has it.")
+        if count > 1:
+            self.step()
+            count -= 1
+        self._store.reset_profile()
+        self.step(count)
+        return {stage: 1e3 * seconds / count for stage, seconds in self._store.profile().items()}
 
     def state_hash(self) -> str:
         """A hash of time, positions, orientations and velocities of all bodies, bit for bit."""
@@ -515,6 +509,13 @@ class World:
     def _write(self, index: int, column: str, value: Array) -> None:
         start: int = getattr(self._state, column)
         self._store.bodies[index, start : start + len(value)] = value
+        self._store.edited(index)
+
+    def _read_kind(self, index: int, column: str) -> int:
+        return int(self._store.kinds[index, getattr(self._state, column)])
+
+    def _write_kind(self, index: int, column: str, value: int) -> None:
+        self._store.kinds[index, getattr(self._state, column)] = value
         self._store.edited(index)
 
     def _is_asleep(self, index: int) -> bool:

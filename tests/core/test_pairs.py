@@ -87,6 +87,8 @@ def meet(scene: Scene, a: int, b: int) -> bool:
     kinds = scene.kinds
     if not kinds[a, state.LAYER] & kinds[b, state.MASK] or not kinds[b, state.LAYER] & kinds[a, state.MASK]:
         return False
+    if kinds[a, state.SENSOR] and kinds[b, state.SENSOR]:
+        return False
     mobilities = {int(kinds[a, state.MOBILITY]), int(kinds[b, state.MOBILITY])}
     if state.DYNAMIC in mobilities:
         return True

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from stiction.core.contact_rows import is_dynamic
 from stiction.core.jit import jit
+from stiction.core.pairs import layers_agree
 from stiction.core.state import (
     BOUNDS,
     FORCE,
@@ -71,7 +72,7 @@ def set_bounds(bodies, kinds, i, R, margin):
 
 @jit
 def find_pairs(bodies, kinds, n, order, pairs):
-    """Pairs (i < j) of which at least one is dynamic; returns their number, which may exceed the room.
+    """Pairs (i < j) of which at least one is dynamic, and whose layers agree; returns how many, maybe beyond the room.
 
     A plane meets every dynamic body: a test of the bounds against it costs as much as the narrow phase does.
     """
@@ -92,7 +93,7 @@ def find_pairs(bodies, kinds, n, order, pairs):
         i = order[k]
         if kinds[i, SHAPE] == PLANE:
             for j in range(n):
-                if is_dynamic(bodies, j):
+                if is_dynamic(bodies, j) and layers_agree(kinds, i, j):
                     if found < room:
                         pairs[found, 0], pairs[found, 1] = min(i, j), max(i, j)
                     found += 1
@@ -108,6 +109,7 @@ def find_pairs(bodies, kinds, n, order, pairs):
                 and bodies[j, BOUNDS + 1] <= bodies[i, BOUNDS + 4]
                 and bodies[i, BOUNDS + 2] <= bodies[j, BOUNDS + 5]
                 and bodies[j, BOUNDS + 2] <= bodies[i, BOUNDS + 5]
+                and layers_agree(kinds, i, j)
             ):
                 if found < room:
                     pairs[found, 0], pairs[found, 1] = min(i, j), max(i, j)

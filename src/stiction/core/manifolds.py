@@ -51,17 +51,23 @@ STILL = 1e-9
 SAME_PLACE = 0.1
 """Of the patch's size: a point without a partner of the same feature inherits from the nearest old one this close."""
 ISOTROPIC = 1e-3
+SETTLING = 1.0
+"""s, in which a new contact sinks to 1/e of what its load lets it sink."""
+LEAST_LIFT = 1e-9
+"""m"""
 
 
 @jit
-def clear_manifold(manifolds, meta, row):
+def clear_manifold(manifolds, meta, reports, row):
     """Nothing is known of a new pair."""
     for k in range(s.MANIFOLD_WIDTH):
         manifolds[row, k] = 0.0
     for k in range(s.META_WIDTH):
         meta[row, k] = 0.0
+    for k in range(s.REPORT_WIDTH):
+        reports[row, k] = 0.0
     meta[row, s.SEEN] = -1e30
-    manifolds[row, s.FRESH] = 1.0
+    manifolds[row, s.FRESH] = s.NEW
 
 
 @jit
@@ -91,13 +97,15 @@ def margin_of(pose, kinds, a, b):
 
 
 @jit
-def take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contacts, tags, found, table, slow):
+def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow):
     """Make the manifold anew from ``found`` contact points; ``slow`` (m/s) is the slip below which it begins stuck."""
     meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
     meta[row, s.AHEAD] = margin
     if found == 0:
         meta[row, s.POINTS] = 0
-        manifolds[row, s.FRESH] = 1.0
+        manifolds[row, s.FRESH] = s.NEW
+        for k in range(4):
+            reports[row, s.LIFT + k] = 0.0
         return
     Ra, Rb = mat33(pose, a + 1, s.POSE_ROTATION), mat33(pose, b + 1, s.POSE_ROTATION)
     xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
@@ -118,6 +126,9 @@ def take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contact
     # impulses of the same points: by feature, else by place
     o0, o1, o2, o3 = manifolds[row, s.LOAD], manifolds[row, s.LOAD + 1], manifolds[row, s.LOAD + 2], manifolds[row, s.LOAD + 3]
     old_points = int(meta[row, s.POINTS])
+    lift = (reports[row, s.LIFT], reports[row, s.LIFT + 1], reports[row, s.LIFT + 2], reports[row, s.LIFT + 3])
+    for k in range(4):
+        reports[row, s.LIFT + k] = 0.0
     taken = 0
     l0 = l1 = l2 = l3 = o0 - o0
     for attempt in range(2):
@@ -139,6 +150,7 @@ def take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contact
                         best, match = dx * dx + dy * dy, j
             if match >= 0:
                 taken |= (1 << match) | (1 << (4 + k))
+                reports[row, s.LIFT + k] = lift[match]
                 carried = o0 if match == 0 else (o1 if match == 1 else (o2 if match == 2 else o3))
                 if k == 0:
                     l0 = carried
@@ -158,7 +170,7 @@ def take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contact
     for k in range(4):
         here = k < found
         d = vec3(contacts, k, POINT) - center
-        manifolds[row, s.GAP + k] = contacts[k, SEPARATION] if here else 0.0
+        manifolds[row, s.GAP + k] = contacts[k, SEPARATION] - reports[row, s.LIFT + k] if here else 0.0
         manifolds[row, s.PLACE_U + k] = dot(d, u) if here else 0.0
         manifolds[row, s.PLACE_V + k] = dot(d, v) if here else 0.0
         meta[row, s.FEATURES + k] = tags[k, FEATURE] if here else -1
@@ -181,6 +193,8 @@ def take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contact
         va, wa = velocity_before(bodies, kinds, a)
         vb, wb = velocity_before(bodies, kinds, b)
         slip = va + cross(wa, ra) - vb - cross(wb, rb) + belt_velocity(bodies, pose, a, b)
+        calm = length(slip) + spread * length(wa - wb) < slow
+        manifolds[row, s.FRESH] = s.QUIET if calm else s.NEW
         slip = slip - n * dot(n, slip)
         fast = length(slip) + spread * abs(dot(wa - wb, n)) > slow
         manifolds[row, s.STATE] = s.SLIDING if fast else s.STUCK
@@ -189,6 +203,16 @@ def take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contact
         manifolds[row, s.LEFT] = 0.0
         manifolds[row, s.ROLL] = manifolds[row, s.ROLL + 1] = 0.0
         put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
+
+
+@jit
+def settle_lift(manifolds, reports, row, part):
+    """Let the points of a manifold sink by a part of what they are still held above their depth."""
+    if reports[row, s.LIFT] + reports[row, s.LIFT + 1] + reports[row, s.LIFT + 2] + reports[row, s.LIFT + 3] > 0.0:
+        for k in range(4):
+            step = reports[row, s.LIFT + k] * part if reports[row, s.LIFT + k] > LEAST_LIFT else reports[row, s.LIFT + k]
+            reports[row, s.LIFT + k] -= step
+            manifolds[row, s.GAP + k] += step
 
 
 @jit

@@ -96,15 +96,29 @@ def grow_pair_cache(cache: PairCache, n: int, p: int) -> PairCache:
 
 
 @jit
+def layers_agree(kinds, a, b):
+    """Whether a layer of each body is in the other one's mask."""
+    return kinds[a, LAYER] & kinds[b, MASK] != 0 and kinds[b, LAYER] & kinds[a, MASK] != 0
+
+
+@jit
+def is_sensed(kinds, a, b):
+    """Whether one of the two is a sensor: such a pair overlaps and pushes nothing."""
+    return kinds[a, SENSOR] | kinds[b, SENSOR] != 0
+
+
+@jit
 def may_meet(kinds, a, b):
     """Whether bodies a and b are a pair when they are near each other. The only place that decides this.
 
-    Layers have to agree, and one of the two has to be dynamic, or a sensor where the other one moves. What this reads
-    may change only for a body that is then touched: its pairs are looked at again.
+    Layers have to agree, and one of the two has to be dynamic, or a sensor where the other one moves; sensors do not
+    see each other. What this reads may change only for a body that is then touched: its pairs are looked at again.
     """
-    if not (kinds[a, LAYER] & kinds[b, MASK] and kinds[b, LAYER] & kinds[a, MASK]):
+    if not layers_agree(kinds, a, b):
         return False
     if kinds[a, SHAPE] == PLANE and kinds[b, SHAPE] == PLANE:
+        return False
+    if kinds[a, SENSOR] != 0 and kinds[b, SENSOR] != 0:
         return False
     if kinds[a, MOBILITY] == DYNAMIC or kinds[b, MOBILITY] == DYNAMIC:
         return True
@@ -194,13 +208,16 @@ def _fits(tree, bodies, i, dt):
 
 
 @jit
-def _refit(tree, bodies, i, dt):
-    """A new fat box around the bounds of body i. Bounds that are not finite change nothing."""
+def _refit(tree, bodies, kinds, i, dt):
+    """A new fat box around the bounds of body i. Bounds that are not finite change nothing.
+
+    A body that nothing moves needs no room to move in: a wide floor would meet all that flies above it.
+    """
     low, high = vec3(bodies, i, BOUNDS), vec3(bodies, i, BOUNDS + 3)
     d = high - low
     if not (d.x < np.inf and d.y < np.inf and d.z < np.inf):
         return False
-    grow = FAT * max(d.x, max(d.y, d.z))
+    grow = FAT * max(d.x, max(d.y, d.z)) if kinds[i, MOBILITY] != STATIC else 0.0
     way = vec3(bodies, i, V) * (AHEAD * dt)
     move(
         tree, i,
@@ -228,7 +245,7 @@ def find_moved(tree, cache, bodies, kinds, awake, count, dt):
             if is_touched:
                 _append(cache, PLANES, PLANES_LIST, IS_PLANE, i)
                 _append(cache, MOVED, MOVED_LIST, IS_MOVED, i)
-        elif _refit(tree, bodies, i, dt):
+        elif _refit(tree, bodies, kinds, i, dt):
             _append(cache, MOVED, MOVED_LIST, IS_MOVED, i)
     counts[TOUCHED] = 0
     for k in range(counts[PLANES]):
@@ -275,7 +292,7 @@ def _find_ended(tree, cache, bodies, kinds, dt):
 
 
 @jit
-def _candidates(tree, cache, kinds, i, near):
+def candidates(tree, cache, kinds, i, near):
     """Who may be near body i, which moved, without regard to planes' places; returns their number."""
     if kinds[i, SHAPE] == PLANE:
         found = 0
@@ -302,7 +319,7 @@ def _find_begun(tree, cache, bodies, kinds, dt):
     near = lists[FOUND]
     for k in range(cache.counts[MOVED]):
         i = lists[MOVED_LIST, k]
-        for m in range(_candidates(tree, cache, kinds, i, near)):
+        for m in range(candidates(tree, cache, kinds, i, near)):
             j = near[m]
             if i == j or (j < i and marks[j] & IS_MOVED):
                 continue

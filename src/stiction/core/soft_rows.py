@@ -30,11 +30,11 @@ def _starts(*widths: int) -> list[int]:
 (
     NORMAL_A, TANGENT_A, MU_S, MU_D,  # normal (a to b) and first tangent in the axes of a; the pair's coefficients
     NORMAL_B, TANGENT_B, STATE, OVER,  # the same directions in the axes of b; STUCK or SLIDING; substeps over the limit
-    GAP, LOAD,  # 4 + 4: separations when the manifold was made, m; normal impulses of the last substep, N s
+    GAP, LOAD,  # 4 + 4: separations when the manifold was made, m; normal forces of the last substep, N
     PLACE_U, PLACE_V,  # 4 + 4: where the points are in the plane, from the anchor, m
-    PULL, SPIN, TORSIONAL, ROLLING, DRIFT_U, RESTITUTION,  # friction impulse (world, N s) and torque about n at the anchor
+    PULL, SPIN, TORSIONAL, ROLLING, DRIFT_U, RESTITUTION,  # friction (world, N) and torque about n at the anchor, N m
     M_U, M_V, C_U, C_V, ARM, ROUND_CAP, COUNT, FRESH,  # second moments of the patch and of its points, m^2; mean arm
-    SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, torque impulse
+    SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, rolling torque, N m
     ARM_B, BELT, DRIFT_V, LEFT,  # anchor from b's centre of mass, m; velocity of the surface of a less that of b, world, m/s;
     # DRIFT_U, DRIFT_V: how fast that velocity changes because bodies turn that are told to, m/s^2
     MANIFOLD_WIDTH,
@@ -43,9 +43,12 @@ def _starts(*widths: int) -> list[int]:
 STUCK, SLIDING = 0.0, 1.0
 """States of a manifold: its static or its dynamic coefficient holds."""
 
-(TOTAL_LOAD, TOTAL_PULL, TOTAL_TWIST, REPORT_WIDTH) = _starts(4, 3, 1)
+(TOTAL_LOAD, TOTAL_PULL, TOTAL_TWIST, LIFT, REPORT_WIDTH) = _starts(4, 3, 1, 4)
 """Columns of the reports, (m, REPORT_WIDTH): normal impulses of the whole step a point, friction impulse (world) and
-torque impulse about the normal at the anchor."""
+torque impulse about the normal at the anchor; by how much the points are held above where they will have sunk to, m."""
+
+OLD, NEW, QUIET = 0.0, 1.0, 2.0
+"""What FRESH says of a manifold: made before this step; in it; in it, and its bodies hardly move against each other."""
 
 (SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, META_WIDTH) = _starts(1, 1, 1, 1, 4, 3, 5)
 """Columns of what a manifold keeps in float64: how far both bodies had moved when it was made, m; the margin it was
@@ -82,11 +85,12 @@ the anchor in the axes of a and of b, from their centres of mass, m."""
     B_TOTAL_LOAD, B_TOTAL_PULL,  # 4 + 3, sums over the step
     B_SLIP,  # 3, slip at the end of the last substep
     B_WORK,  # what friction has taken in this step, J
-    B_FRESH,  # 1 for a manifold that is new in this step
+    B_FRESH,  # NEW or QUIET for a manifold that is new in this step
+    B_LIFT,  # 4, how much of the separations is not there, m
     B_ROLLING, B_ROLL, B_ROLLED,  # length of rolling resistance, m; its torque impulse about u and v, 2; its work, J
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1, 1, 2, 1
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1, 4, 1, 2, 1
 )  # fmt: skip
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------

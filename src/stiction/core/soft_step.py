@@ -12,7 +12,7 @@ from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import clear_manifold, drive_work, is_kept, margin_of, refresh_manifold, take_points
+from stiction.core.manifolds import SETTLING, clear_manifold, drive_work, is_kept, margin_of, refresh_manifold, settle_lift, take_points
 from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
@@ -28,7 +28,7 @@ from stiction.core.soft_bodies import (
 )
 from stiction.core.solve.blocks import prepare_block
 from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
-from stiction.core.solve.soft import COLD_PASSES, NEAR, has_fresh, softness, solve_block, store_blocks, warm_block
+from stiction.core.solve.soft import COLD_PASSES, NEAR, UNEVEN, has_fresh, lift_block, softness, solve_block, store_blocks, warm_block
 from stiction.core.state import (
     ASLEEP,
     CONTACT_WIDTH,
@@ -62,9 +62,13 @@ those that were changed from outside; two more of scratch."""
 
 UNDECIDED, WOKE_SOME = -1, -1
 
-N_AWAKE, N_ACTIVE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, COUNTS = range(8)
+SLOW = 0.375
+"""A new contact that slips by less than this part of what gravity gives in a step begins stuck."""
+
+N_AWAKE, N_ACTIVE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, COUNTS = range(9)
 """Entries of the counts: bodies awake, active manifolds, bodies changed from outside, bodies seen before; whether the list
-of those awake is out of date; steps so far; whether bodies that sleep may have been changed without a word."""
+of those awake is out of date; steps so far; whether bodies that sleep may have been changed without a word; whether a light body carries a
+heavy one."""
 
 
 class Scratch(NamedTuple):
@@ -105,12 +109,14 @@ def soft_step(
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
     g, dt = length(gravity), settings.dt
-    h = dt / settings.substeps
     lists = scratch.bodies
     note_edits(bodies, n, gravity, ledger)
+    h = dt / settings.substeps
     take_edits(bodies, kinds, n, cache, soft.pose, soft.rows, soft.aux, lists, scratch.counts, gravity, g, dt, h)
     for done in range(steps):
         start_clock(profile)
+        substeps = 2 * settings.substeps if scratch.counts[HARD] else settings.substeps
+        h = dt / substeps
         active = WOKE_SOME
         while active == WOKE_SOME:
             awake = list_awake(kinds, n, lists, scratch.counts)
@@ -121,11 +127,11 @@ def soft_step(
                 close_soft_ledger(bodies, n, gravity, ledger)
                 return MORE_PAIRS, done, pairs
             for k in range(cache.counts[BEGUN]):
-                clear_manifold(soft.manifolds, soft.meta, cache.begun[k, SLOT] + 1)
+                clear_manifold(soft.manifolds, soft.meta, soft.reports, cache.begun[k, SLOT] + 1)
             lap(profile, 1)
-            slow = 3.0 * g * h
+            slow = SLOW * g * dt
             active = find_manifolds(
-                bodies, kinds, n, cache.pairs, pairs, soft, scratch, table, slow, boxes_meet, hulls
+                bodies, kinds, n, cache.pairs, pairs, soft, scratch, table, slow, dt / SETTLING, boxes_meet, hulls
             )
             lap(profile, 2)
         scratch.counts[N_ACTIVE] = active
@@ -150,16 +156,17 @@ def soft_step(
         touching = list_touching(
             kinds, soft.manifolds, soft.meta, soft.pose, scratch.active, active, lists, scratch.normals
         )
+        scratch.counts[HARD] = is_uneven(kinds, soft.aux, soft.meta, scratch.active, active)
 
         moving = list_moving(bodies, kinds, lists, scratch.normals, touching, gravity)
         lap(profile, 3)
-        solve(soft, scratch, blocks, moving, h, settings.substeps, profile, rolls)
+        solve(soft, scratch, blocks, moving, h, substeps, profile, rolls)
 
         bad = first_bad_row(soft.rows, lists[MOVING], moving)
         if bad >= 0:
             close_soft_ledger(bodies, n, gravity, ledger)
             return BLOWN_UP, done, bad
-        store_blocks(bodies, soft.blocks, soft.index, blocks, soft.manifolds, soft.reports, ledger)
+        store_blocks(bodies, soft.blocks, soft.index, blocks, soft.manifolds, soft.reports, h, ledger)
         ledger[WORK] += drive_work(
             bodies, kinds, scratch.active, active, soft.manifolds, soft.meta, soft.pose, soft.reports
         )
@@ -277,7 +284,7 @@ def is_awake(kinds, i):
 
 
 @jit
-def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, boxes_meet, hulls):
+def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, relaxed, boxes_meet, hulls):
     """Bring the manifolds of all pairs up to date, and list those with points; returns their number.
 
     Where a body that is awake touches one that sleeps, the latter's island wakes, and WOKE_SOME is returned: then the
@@ -285,7 +292,7 @@ def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, 
     """
     count, woke = 0, False
     contacts, tags, points, active = scratch.contacts, scratch.tags, scratch.points, scratch.active
-    manifolds, meta, pose = soft.manifolds, soft.meta, soft.pose
+    manifolds, meta, reports, pose = soft.manifolds, soft.meta, soft.reports, soft.pose
     for k in range(npairs):
         a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
         if not (is_awake(kinds, a) or is_awake(kinds, b)):
@@ -293,11 +300,14 @@ def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, 
         if not is_kept(kinds, a, b, pose, meta, row):
             margin = 1.5 * margin_of(pose, kinds, a, b)
             found = pair_contacts(bodies, kinds, a, b, margin, contacts, tags, 0, points, boxes_meet, hulls)
-            take_points(bodies, kinds, a, b, manifolds, meta, pose, row, margin, contacts, tags, found, table, slow)
+            take_points(
+                bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow
+            )
         if meta[row, s.POINTS] > 0.0:
             if kinds[a, ASLEEP] or kinds[b, ASLEEP]:
                 wake_island(bodies, kinds, n, a if kinds[a, ASLEEP] else b)
                 woke = True
+            settle_lift(manifolds, reports, row, relaxed)
             refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row)
             active[count, 0], active[count, 1], active[count, 2] = a, b, row - 1
             count += 1
@@ -326,7 +336,7 @@ def list_touching(kinds, manifolds, meta, pose, active, count, lists, normals):
         row = active[k, 2] + 1
         load = manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1] + manifolds[row, s.LOAD + 2]
         counts = load + manifolds[row, s.LOAD + 3] > 0.0
-        counts |= manifolds[row, s.FRESH] > 0.0 and manifolds[row, s.GAP] < NEAR
+        counts |= manifolds[row, s.FRESH] > s.OLD and manifolds[row, s.GAP] < NEAR
         kind = NO_GLIDE
         n = Vec3(0.0, 0.0, 0.0)
         if meta[row, s.POINTS] == 1.0 or manifolds[row, s.STATE] == s.SLIDING:
@@ -347,6 +357,17 @@ def list_touching(kinds, manifolds, meta, pose, active, count, lists, normals):
             elif lists[GLIDE, i] != kind or abs(n.x * normals[i, 0] + n.y * normals[i, 1] + n.z * normals[i, 2]) < 0.999:
                 lists[GLIDE, i] = NO_GLIDE
     return touching
+
+
+@jit
+def is_uneven(kinds, aux, meta, active, count):
+    """1 if two movable bodies of very different mass lie on each other with a face, else 0."""
+    for k in range(count):
+        ma, mb = aux[active[k, 0] + 1, s.AUX_MASS], aux[active[k, 1] + 1, s.AUX_MASS]
+        if ma > 0.0 and mb > 0.0 and (ma > UNEVEN * mb or mb > UNEVEN * ma):
+            if meta[active[k, 2] + 1, s.POINTS] >= 3.0:
+                return 1
+    return 0
 
 
 @jit
@@ -374,13 +395,16 @@ def solve(soft, scratch, count, moving, h, substeps, profile, rolls):
     movers, glide, normals = scratch.bodies[MOVING], scratch.bodies[GLIDE], scratch.normals
     beta, compliance, beta_stiff, compliance_stiff = softness(h)
     for i in range(count):
-        prepare_block(i, blocks, index, count, manifolds, aux, beta, compliance, beta_stiff, compliance_stiff)
+        prepare_block(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff)
     for i in range(count):
         warm_block(i, blocks, index, count, rows)
     for _ in range(COLD_PASSES):
         for i in range(count):
             if has_fresh(blocks, i):
                 solve_block(i, blocks, index, count, rows, h, True, rolls)
+    for i in range(count):
+        if has_fresh(blocks, i):
+            lift_block(i, blocks)
     lap(profile, 4)
     for substep in range(substeps):
         for i in range(count):

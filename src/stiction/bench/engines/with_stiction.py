@@ -42,7 +42,7 @@ class Adapter(Engine):
         table = st.MaterialTable()
         pair = {"static": scene.friction, "dynamic": scene.friction, "restitution": scene.restitution}
         table.set_pair("default", "default", **pair)
-        return st.World(gravity=scene.gravity, dt=dt, solver=self.solver, materials=table)
+        return st.World(gravity=scene.gravity, dt=dt, solver=self.solver, materials=table, sleeping=False)
 
     def _build(self, scene: BenchScene, dt: float) -> None:
         world = self._world(scene, dt)

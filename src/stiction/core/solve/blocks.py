@@ -119,7 +119,7 @@ def soften(A, gamma):
 
 
 @jit
-def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stiff, soft_stiff):
+def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_stiff, soft_stiff):
     """Fill block i. ``index`` rows i, i + count, i + 2 count name the bodies a, b and the manifolds of its lanes.
 
     ``beta`` (1/s) and ``soft`` (compliance, a part of the point's own 1/m) of a contact between two bodies that can
@@ -196,7 +196,7 @@ def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stif
     store(blocks, o + s.B_BETA, select(fixed, beta_stiff, one * beta))
 
     # the patch, from the loads of the last substep; an even load where there is none yet
-    lam = Four(gl[4] * here.a, gl[5] * here.b, gl[6] * here.c, gl[7] * here.d)
+    lam = Four(gl[4] * here.a * h, gl[5] * here.b * h, gl[6] * here.c * h, gl[7] * here.d * h)
     put4(blocks, o + s.B_LOAD, lam)
     total = lam.a + lam.b + lam.c + lam.d
     loaded = total > 0.0
@@ -255,9 +255,9 @@ def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stif
     knn = Kvv.xx + 2.0 * (py * Kwv.yx - px * Kwv.zx) + py * py * Kww.yy - 2.0 * px * py * Kww.yz + px * px * Kww.zz
     store(blocks, o + s.B_RIGID, 1.0 / greatest(knn, TINY))
 
-    pull = Vec3(gf[0], gf[1], gf[2])
+    pull = Vec3(gf[0], gf[1], gf[2]) * h
     fu, fv = dot(pull, u), dot(pull, v)
-    spin = gf[3] - (px * fv - py * fu)
+    spin = gf[3] * h - (px * fv - py * fu)
     put3(blocks, o + s.B_PULL, Vec3(fu, fv, select(Tm > 0.0, spin / greatest(Tm, TINY), zero)))
     store(blocks, o + s.B_STATE, gb[6])
     store(blocks, o + s.B_OVER, gb[7])
@@ -271,9 +271,10 @@ def prepare_block(i, blocks, index, count, manifolds, aux, beta, soft, beta_stif
     store(blocks, o + s.B_WORK, zero)
     store(blocks, o + s.B_ROLLED, zero)
     store(blocks, o + s.B_FRESH, gm[7])
+    put4(blocks, o + s.B_LIFT, Four(zero, zero, zero, zero))
     store(blocks, o + s.B_ROLLING, gf[5])
-    store(blocks, o + s.B_ROLL, gx[6])
-    store(blocks, o + s.B_ROLL + 1, gx[7])
+    store(blocks, o + s.B_ROLL, gx[6] * h)
+    store(blocks, o + s.B_ROLL + 1, gx[7] * h)
 
 
 @jit

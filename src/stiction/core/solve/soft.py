@@ -32,18 +32,22 @@ COLD_PASSES = 8
 that is left."""
 STIFFNESS = 0.65
 """omega h of a contact between two bodies that can move; twice that where one of them cannot."""
-DAMPING = 20.0
+DAMPING = 10.0
 """Damping ratio; half of it where one body cannot move. High, so that penetrations fade without a bounce."""
 PUSH = 3.0
 """m/s, fastest push out of a penetration."""
-GRACE = 1.3
-"""While a manifold sticks, its friction may go so far beyond the static limit for ``PATIENCE`` substeps, since loads
-that have not converged make the limit a noisy one."""
 PATIENCE = 3.0
+"""A manifold that sticks may pull beyond the static limit for so many substeps running before it lets go, ..."""
 OVERLOAD = 1.25
-"""Phi above which it lets go at once: beyond the limit by an eighth of it."""
+"""... but at once if Phi is above this, which is an eighth too much force: loads that have not converged make the limit a
+noisy one, though not that noisy."""
+GRACE, BEYOND_DOUBT = 1.3, 1.69
+"""How far beyond the limit friction may go in a cold pass, and its square."""
 ENOUGH = 1e-6
 """m/s, error of the normals that ends the sweeps."""
+UNEVEN = 30.0
+"""Ratio of masses of two bodies on top of each other from which on a world takes twice the substeps: what the light one
+carries sinks by load / (light mass omega^2), and omega h is bounded."""
 NEAR = 1e-4
 """m, a point closer than this carries the load that friction counts on."""
 
@@ -209,18 +213,24 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     going = load(blocks, o + s.B_FRESH) > 0.5
     if not cold:
         going = going | ~going
-    inside, N = sliding, zero
+    inside, excess = sliding, zero
 
     # Where friction can stick, the normals are told so: what they do to the slip will be answered by friction, and what
     # that does to them is in the inverse already. So one sweep solves both; elsewhere they alternate.
     slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt
     answer = times(Fi, slip)
     stick = pull + answer
-    limit = mu_s * GRACE * (lam.a + lam.b + lam.c + lam.d)
-    together = (level(stick * unit_of(limit, stick), surface) <= 1.0) & ~sliding
-    inverse = choose10(together, get10(blocks, o + s.B_INVERSE_STUCK), get10(blocks, o + s.B_INVERSE))
+    limit = mu_s * (lam.a + lam.b + lam.c + lam.d)
+    together = (dot(stick, stick) <= BEYOND_DOUBT * limit * limit) & ~sliding
+    inverse = get10(blocks, o + s.B_INVERSE_STUCK)
+    if not all_of(together):
+        inverse = choose10(together, inverse, get10(blocks, o + s.B_INVERSE))
     expected = answer * select(together, zero + 1.0, zero)
     for sweep in range(SWEEPS):
+        if sweep > 0:
+            going = going & ~together
+            if not any_of(going):
+                break
         # normals: aim at a closing speed, less where the contact gives way
         turning = Tm * expected.z + px * expected.y - py * expected.x
         cn = v.x - (Kvv.xy * expected.x + Kvv.xz * expected.y + k1.x * turning)
@@ -266,12 +276,14 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
         left = select(sliding, v.x, stuck_left) + py * w.y - px * w.z
         N = lam.a + lam.b + lam.c + lam.d
         N = select(near, greatest(N + (left - left0) * rigid, 0.0), N)
-        if not cold:
-            sliding = sliding | (going & (level(stick * unit_of(mu_s * N, stick), surface) > OVERLOAD))
-        limit = select(sliding, mu_d, mu_s * GRACE) * N
-        unit = unit_of(limit, stick)
-        inside = level(stick * unit, surface) <= 1.0
+        excess = level(stick * unit_of(select(sliding, mu_d, mu_s) * N, stick), surface)
+        inside = excess <= select(sliding, zero + 1.0, zero + (BEYOND_DOUBT if cold else OVERLOAD))
         if not all_of(inside):
+            # in a cold pass nothing lets go; it may only not pull harder than it ever could
+            if not cold:
+                sliding = sliding | ~inside
+            limit = select(sliding, mu_d, mu_s * GRACE) * N
+            unit = unit_of(limit, stick)
             # the problem divided by the limit: A = F, so numbers stay near one whatever the masses
             g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface)
             stick = choose3(inside, stick, g * limit)
@@ -313,7 +325,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     if not cold:
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
-        decide_state(blocks, o, sliding, inside, pull, mu_s * N, surface)
+        decide_state(blocks, o, sliding, inside, excess)
         keep_sums(blocks, o, lam, pull, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt)
 
     da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
@@ -334,20 +346,45 @@ def has_error(error, lam):
 
 
 @jit
+def lift_block(i, blocks):
+    """Begin quiet new contacts of block i as deep as their loads will have them in the end, without moving the bodies.
+
+    Else a body that is put down gently would sink and tilt by some micrometres within a few substeps, fast enough to
+    break loose on a slope that it should hold on. What is lent here is taken back slowly (``manifolds.settle_lift``).
+    """
+    o = i * s.FIELDS
+    quiet = load(blocks, o + s.B_FRESH) > s.NEW
+    gap, lam, gamma = get4(blocks, o + s.B_GAP), get4(blocks, o + s.B_LOAD), get4(blocks, o + s.B_SOFT)
+    beta = load(blocks, o + s.B_BETA)
+    lift = Four(
+        lent(gap.a, lam.a, gamma.a, beta, quiet), lent(gap.b, lam.b, gamma.b, beta, quiet),
+        lent(gap.c, lam.c, gamma.c, beta, quiet), lent(gap.d, lam.d, gamma.d, beta, quiet),
+    )  # fmt: skip
+    put4(blocks, o + s.B_LIFT, lift)
+    put4(blocks, o + s.B_GAP, Four(gap.a - lift.a, gap.b - lift.b, gap.c - lift.c, gap.d - lift.d))
+
+
+@jit
+def lent(gap, lam, gamma, beta, quiet):
+    """By how much a point is above the depth -gamma lambda / beta at which its spring carries its load."""
+    zero = gap - gap
+    return select(quiet & (lam > 0.0), greatest(gap + gamma * lam / beta, zero), zero)
+
+
+@jit
 def allowed(gap, beta, h):
     """Closing speed that is aimed at: over a gap what closes it in a substep, in a penetration a push out of it."""
     return select(gap > 0.0, gap * (1.0 / h), greatest(gap * beta, -PUSH))
 
 
 @jit
-def decide_state(blocks, o, sliding, inside, pull, limit, surface):
+def decide_state(blocks, o, sliding, inside, excess):
     """Stuck or sliding, from the whole patch: stuck until force and torque together exceed the static limit surface for
     a few substeps running, sliding until the dynamic one would not be reached.
     """
     over = load(blocks, o + s.B_OVER)
     zero = over - over
-    unit = unit_of(limit, pull)
-    over = select(level(pull * unit, surface) > 1.0, over + 1.0, zero)
+    over = select(excess > 1.0, over + 1.0, zero)
     state = select(sliding, select(inside, zero, zero + 1.0), select(over >= PATIENCE, zero + 1.0, zero))
     store(blocks, o + s.B_STATE, state)
     store(blocks, o + s.B_OVER, select(state > 0.5, zero, over))
@@ -371,7 +408,7 @@ def has_fresh(blocks, i):
 
 
 @jit
-def store_blocks(bodies, blocks, index, count, manifolds, reports, ledger):
+def store_blocks(bodies, blocks, index, count, manifolds, reports, h, ledger):
     """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
     A lane that was padded names the manifold of nobody.
@@ -382,7 +419,7 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, ledger):
             row = index[i + 2 * count, lane]
             if row > 0:
                 slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
-                store_lane(blocks, o, lane, manifolds, reports, row)
+                store_lane(blocks, o, lane, manifolds, reports, row, 1.0 / h)
                 friction, rolling = blocks[o + s.B_WORK, lane] * 1.0, blocks[o + s.B_ROLLED, lane] * 1.0
                 ledger[FRICTION] += friction
                 ledger[ROLLING_LOSS] += rolling
@@ -397,23 +434,28 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, ledger):
 
 
 @jit
-def store_lane(blocks, o, lane, manifolds, reports, row):
-    """The same for one manifold."""
+def store_lane(blocks, o, lane, manifolds, reports, row, rate):
+    """The same for one manifold; impulses of a substep times ``rate`` (1/s) are forces."""
     u = Vec3(blocks[o + s.B_TANGENT, lane], blocks[o + s.B_TANGENT + 1, lane], blocks[o + s.B_TANGENT + 2, lane])
     n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
     v = cross(n, u)
     arm = blocks[o + s.B_TORQUE, lane]
     px, py = blocks[o + s.B_CENTER, lane], blocks[o + s.B_CENTER + 1, lane]
     for k in range(4):
-        manifolds[row, s.LOAD + k] = blocks[o + s.B_LOAD + k, lane]
+        manifolds[row, s.LOAD + k] = blocks[o + s.B_LOAD + k, lane] * rate
         reports[row, s.TOTAL_LOAD + k] = blocks[o + s.B_TOTAL_LOAD + k, lane]
-    fu, fv = blocks[o + s.B_PULL, lane], blocks[o + s.B_PULL + 1, lane]
+    if manifolds[row, s.FRESH] == s.QUIET:
+        for k in range(4):
+            reports[row, s.LIFT + k] = blocks[o + s.B_LIFT + k, lane]
+            manifolds[row, s.GAP + k] -= blocks[o + s.B_LIFT + k, lane]
+    fu, fv = blocks[o + s.B_PULL, lane] * rate, blocks[o + s.B_PULL + 1, lane] * rate
     put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
-    manifolds[row, s.SPIN] = blocks[o + s.B_PULL + 2, lane] * arm + px * fv - py * fu
+    manifolds[row, s.SPIN] = blocks[o + s.B_PULL + 2, lane] * (arm * rate) + px * fv - py * fu
     fu, fv = blocks[o + s.B_TOTAL_PULL, lane], blocks[o + s.B_TOTAL_PULL + 1, lane]
     put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
     reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * arm + px * fv - py * fu
     manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
-    manifolds[row, s.ROLL], manifolds[row, s.ROLL + 1] = blocks[o + s.B_ROLL, lane], blocks[o + s.B_ROLL + 1, lane]
+    manifolds[row, s.ROLL] = blocks[o + s.B_ROLL, lane] * rate
+    manifolds[row, s.ROLL + 1] = blocks[o + s.B_ROLL + 1, lane] * rate
     manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
     manifolds[row, s.FRESH] = 0.0
