@@ -20,6 +20,11 @@ from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilatio
 PRECISIONS = {"single": np.float32, "double": np.float64}
 
 
+THINNEST = 3e-5
+"""Least principal moment of inertia that single precision can tell from nothing, a part of mass x reach^2: that of a rod
+whose radius is 1/130 of its half length."""
+
+
 class SoftStore(Store):
     """Rows of bodies, the tree, the pairs and the manifolds."""
 
@@ -36,6 +41,20 @@ class SoftStore(Store):
         self._reported = -1
         self._edited: set[int] = set()
         self._tree_is_fresh = False
+
+    def add(self, row: dict[int, Any], shape: int, mobility: int, material: int) -> int:
+        """Append a body; one that is thinner than contacts can be solved for gets the inertia of one that is as thin."""
+        self._tree_is_fresh = False
+        i = super().add(row, shape, mobility, material)
+        if mobility == state.DYNAMIC:
+            body = self.bodies[i]
+            inertia = body[state.INERTIA : state.INERTIA + 9].reshape(3, 3)
+            least = THINNEST * body[state.MASS] * body[state.REACH] ** 2
+            moments, axes = np.linalg.eigh(inertia)
+            if moments[0] < least:
+                inertia[:] = axes @ np.diag(np.maximum(moments, least)) @ axes.T
+                body[state.INVERSE_INERTIA : state.INVERSE_INERTIA + 9] = np.linalg.inv(inertia).ravel()
+        return i
 
     def step(self, steps: int, settings: state.Settings, table: Array) -> StepFailure | None:
         """Take steps; growing where room is short. Returns the failure that stopped them, or None."""
@@ -77,11 +96,6 @@ class SoftStore(Store):
         if len(self.lists.group) < len(self.bodies) or len(self.lists.touching) < 2 * len(self.contacts):
             self.lists = state.make_lists(len(self.bodies), len(self.contacts), 0)
         return self.lists
-
-    def add(self, row: dict[int, Any], shape: int, mobility: int, material: int) -> int:
-        """Append a body; ``row`` maps a column to the numbers that start there. Returns its index."""
-        self._tree_is_fresh = False
-        return super().add(row, shape, mobility, material)
 
     def edited(self, index: int) -> None:
         """Body ``index`` was changed from outside: it wakes with all that touch it."""

@@ -60,8 +60,8 @@ the anchor in the axes of a and of b, from their centres of mass, m."""
 (
     B_NORMAL, B_TANGENT,  # frame n, u (and v = n x u), world
     B_ARM_A, B_ARM_B,  # anchor from the centres of mass, in the frame
-    B_MASS_A, B_MASS_B,  # inverse masses
-    B_INERTIA_A, B_INERTIA_B,  # 6 + 6, inverse inertia in the frame, upper triangle
+    B_MASS_A, B_MASS_B,  # inverse masses, times the block's mass
+    B_INERTIA_A, B_INERTIA_B,  # 6 + 6, inverse inertia in the frame, upper triangle, times the block's mass
     B_KVV, B_KWV, B_KWW,  # 6 + 9 + 6, the manifold's matrix: velocity and spin by force and torque, in the frame
     B_U, B_V,  # 4 + 4, places of the points
     B_GAP,  # 4, separations at the start of the step
@@ -86,11 +86,12 @@ the anchor in the axes of a and of b, from their centres of mass, m."""
     B_SLIP,  # 3, slip at the end of the last substep
     B_WORK,  # what friction has taken in this step, J
     B_FRESH,  # NEW or QUIET for a manifold that is new in this step
+    B_SCALE,  # the block's mass, kg: impulses are in units of it times m/s, so numbers are of order one at any scale
     B_LIFT,  # 4, how much of the separations is not there, m
     B_ROLLING, B_ROLL, B_ROLLED,  # length of rolling resistance, m; its torque impulse about u and v, 2; its work, J
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1, 4, 1, 2, 1
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1, 1, 4, 1, 2, 1
 )  # fmt: skip
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
 from stiction.core.manifolds import SETTLING, clear_manifold, drive_work, is_kept, margin_of, refresh_manifold, settle_lift, take_points
-from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, touch_body, update_pairs
+from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, is_sensed, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
     FALLS,
@@ -211,10 +211,13 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
     counts[N_KNOWN] = n
     if counts[WATCHED]:
         for i in range(n):
-            if (kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]) and was_changed(bodies, i):
-                if counts[N_EDITED] < n:
-                    lists[EDITED, counts[N_EDITED]] = i
-                    counts[N_EDITED] += 1
+            lists[RESTLESS, i] = 0
+        for k in range(counts[N_EDITED]):
+            lists[RESTLESS, lists[EDITED, k]] = 1
+        for i in range(n):
+            if (kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]) and not lists[RESTLESS, i] and was_changed(bodies, i):
+                lists[EDITED, counts[N_EDITED]] = i
+                counts[N_EDITED] += 1
     if counts[N_EDITED] > 0:
         # whatever touches a body that was changed has to notice
         for i in range(n):
@@ -224,7 +227,7 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
             wake_island(bodies, kinds, n, lists[EDITED, k])
         for j in range(cache.counts[PAIRS]):
             a, b = cache.pairs[j, PAIR_A], cache.pairs[j, PAIR_B]
-            if lists[RESTLESS, a] or lists[RESTLESS, b]:
+            if (lists[RESTLESS, a] or lists[RESTLESS, b]) and not is_sensed(kinds, a, b):
                 wake_island(bodies, kinds, n, a)
                 wake_island(bodies, kinds, n, b)
     for k in range(counts[N_EDITED]):
@@ -295,7 +298,7 @@ def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, 
     manifolds, meta, reports, pose = soft.manifolds, soft.meta, soft.reports, soft.pose
     for k in range(npairs):
         a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
-        if not (is_awake(kinds, a) or is_awake(kinds, b)):
+        if not (is_awake(kinds, a) or is_awake(kinds, b)) or is_sensed(kinds, a, b):
             continue
         if not is_kept(kinds, a, b, pose, meta, row):
             margin = 1.5 * margin_of(pose, kinds, a, b)

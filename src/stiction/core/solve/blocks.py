@@ -22,7 +22,7 @@ from stiction.core.vec import Mat33, Vec3, columns, cross, dot, transpose
 
 POINT_TORQUE = 1e-4
 """A patch whose mean arm is below this part of the size of its points' spread is a point."""
-TINY = 1e-18
+TINY = 1e-30
 
 
 @jit
@@ -105,6 +105,15 @@ def patch_matrix(mass, inertia, r):
 
 
 @jit
+def scaled(m, factor):
+    """A matrix times a number."""
+    return Mat33(
+        m.xx * factor, m.xy * factor, m.xz * factor, m.yx * factor, m.yy * factor, m.yz * factor, m.zx * factor,
+        m.zy * factor, m.zz * factor,
+    )  # fmt: skip
+
+
+@jit
 def full(m):
     """A full matrix from its upper triangle."""
     return Mat33(m.xx, m.xy, m.xz, m.xy, m.yy, m.yz, m.xz, m.yz, m.zz)
@@ -137,6 +146,13 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     gm = gather(manifolds, index, rows, s.M_U)
     gx = gather(manifolds, index, rows, s.SHIFT)
     gy = gather(manifolds, index, rows, s.ARM_B)
+
+    # everything in units of a mass of the pair's own, else mm and 100 m would not both fit into single precision
+    scale = 1.0 / greatest(ma + mb, TINY)
+    ma, mb = ma * scale, mb * scale
+    Ia, Ib = scaled(Ia, scale), scaled(Ib, scale)
+    store(blocks, o + s.B_SCALE, scale)
+    h_scale = h / scale
 
     # the frame turns with a; b's copy of it says how far b has turned against a since the manifold was made
     n, u = Ra @ Vec3(ga[0], ga[1], ga[2]), Ra @ Vec3(ga[3], ga[4], ga[5])
@@ -196,7 +212,9 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     store(blocks, o + s.B_BETA, select(fixed, beta_stiff, one * beta))
 
     # the patch, from the loads of the last substep; an even load where there is none yet
-    lam = Four(gl[4] * here.a * h, gl[5] * here.b * h, gl[6] * here.c * h, gl[7] * here.d * h)
+    lam = Four(
+        gl[4] * here.a * h_scale, gl[5] * here.b * h_scale, gl[6] * here.c * h_scale, gl[7] * here.d * h_scale
+    )
     put4(blocks, o + s.B_LOAD, lam)
     total = lam.a + lam.b + lam.c + lam.d
     loaded = total > 0.0
@@ -235,7 +253,10 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     kuu = Kvv.yy - 2.0 * py * nu + py * py * nn
     kuv = Kvv.yz + px * nu - py * nv - px * py * nn
     kvv = Kvv.zz + 2.0 * px * nv + px * px * nn
-    friction = Sym3(kuu, kuv, kuz * Tm, kvv, kvz * Tm, nn * Tm * Tm + select(Tm > 0.0, zero, one))
+    nobody = select(Kvv.xx > 0.0, zero, one)
+    friction = Sym3(
+        kuu + nobody, kuv, kuz * Tm, kvv + nobody, kvz * Tm, nn * Tm * Tm + select(Tm > 0.0, nobody, one)
+    )  # fmt: skip
     put6(blocks, o + s.B_FRICTION, friction)
     inverse = inverse_sym(friction)
     put6(blocks, o + s.B_FRICTION_INVERSE, inverse)
@@ -255,9 +276,9 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     knn = Kvv.xx + 2.0 * (py * Kwv.yx - px * Kwv.zx) + py * py * Kww.yy - 2.0 * px * py * Kww.yz + px * px * Kww.zz
     store(blocks, o + s.B_RIGID, 1.0 / greatest(knn, TINY))
 
-    pull = Vec3(gf[0], gf[1], gf[2]) * h
+    pull = Vec3(gf[0], gf[1], gf[2]) * h_scale
     fu, fv = dot(pull, u), dot(pull, v)
-    spin = gf[3] * h - (px * fv - py * fu)
+    spin = gf[3] * h_scale - (px * fv - py * fu)
     put3(blocks, o + s.B_PULL, Vec3(fu, fv, select(Tm > 0.0, spin / greatest(Tm, TINY), zero)))
     store(blocks, o + s.B_STATE, gb[6])
     store(blocks, o + s.B_OVER, gb[7])
@@ -273,8 +294,8 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     store(blocks, o + s.B_FRESH, gm[7])
     put4(blocks, o + s.B_LIFT, Four(zero, zero, zero, zero))
     store(blocks, o + s.B_ROLLING, gf[5])
-    store(blocks, o + s.B_ROLL, gx[6] * h)
-    store(blocks, o + s.B_ROLL + 1, gx[7] * h)
+    store(blocks, o + s.B_ROLL, gx[6] * h_scale)
+    store(blocks, o + s.B_ROLL + 1, gx[7] * h_scale)
 
 
 @jit

@@ -419,8 +419,9 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, ledger):
             row = index[i + 2 * count, lane]
             if row > 0:
                 slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
-                store_lane(blocks, o, lane, manifolds, reports, row, 1.0 / h)
-                friction, rolling = blocks[o + s.B_WORK, lane] * 1.0, blocks[o + s.B_ROLLED, lane] * 1.0
+                scale = blocks[o + s.B_SCALE, lane] * 1.0
+                store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h)
+                friction, rolling = blocks[o + s.B_WORK, lane] * scale, blocks[o + s.B_ROLLED, lane] * scale
                 ledger[FRICTION] += friction
                 ledger[ROLLING_LOSS] += rolling
                 if slid or rolling > 0.0:
@@ -434,8 +435,8 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, ledger):
 
 
 @jit
-def store_lane(blocks, o, lane, manifolds, reports, row, rate):
-    """The same for one manifold; impulses of a substep times ``rate`` (1/s) are forces."""
+def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate):
+    """The same for one manifold; impulses of the block times ``scale`` are impulses, times ``rate`` forces."""
     u = Vec3(blocks[o + s.B_TANGENT, lane], blocks[o + s.B_TANGENT + 1, lane], blocks[o + s.B_TANGENT + 2, lane])
     n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
     v = cross(n, u)
@@ -443,7 +444,7 @@ def store_lane(blocks, o, lane, manifolds, reports, row, rate):
     px, py = blocks[o + s.B_CENTER, lane], blocks[o + s.B_CENTER + 1, lane]
     for k in range(4):
         manifolds[row, s.LOAD + k] = blocks[o + s.B_LOAD + k, lane] * rate
-        reports[row, s.TOTAL_LOAD + k] = blocks[o + s.B_TOTAL_LOAD + k, lane]
+        reports[row, s.TOTAL_LOAD + k] = blocks[o + s.B_TOTAL_LOAD + k, lane] * scale
     if manifolds[row, s.FRESH] == s.QUIET:
         for k in range(4):
             reports[row, s.LIFT + k] = blocks[o + s.B_LIFT + k, lane]
@@ -451,9 +452,9 @@ def store_lane(blocks, o, lane, manifolds, reports, row, rate):
     fu, fv = blocks[o + s.B_PULL, lane] * rate, blocks[o + s.B_PULL + 1, lane] * rate
     put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
     manifolds[row, s.SPIN] = blocks[o + s.B_PULL + 2, lane] * (arm * rate) + px * fv - py * fu
-    fu, fv = blocks[o + s.B_TOTAL_PULL, lane], blocks[o + s.B_TOTAL_PULL + 1, lane]
+    fu, fv = blocks[o + s.B_TOTAL_PULL, lane] * scale, blocks[o + s.B_TOTAL_PULL + 1, lane] * scale
     put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
-    reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * arm + px * fv - py * fu
+    reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * (arm * scale) + px * fv - py * fu
     manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
     manifolds[row, s.ROLL] = blocks[o + s.B_ROLL, lane] * rate
     manifolds[row, s.ROLL + 1] = blocks[o + s.B_ROLL + 1, lane] * rate
