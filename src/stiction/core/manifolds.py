@@ -40,14 +40,17 @@ from stiction.core.state import (
 )
 from stiction.core.vec import Vec3, column, cross, dot, length, mat33, put_vec3, transpose, vec3
 
-SPECULATIVE = 0.02
-"""m, points are found that far ahead besides what velocities ask for, or a tenth of the smaller body if that is less."""
-SMALL = 0.1
+SPECULATIVE = 0.005
+"""m, points are kept that far ahead besides what velocities ask for, or a twentieth of the smaller body if less."""
+SMALL = 0.05
+LOOK = 0.01
+"""m, and they are looked for still farther ahead, or a tenth of the smaller body, to know for how long nothing will come."""
 KEPT = 5e-4
 """m, a patch of three or four points is kept while the bodies have moved by less, or a five-hundredth of the smaller."""
 KEPT_PART = 0.002
-STILL = 1e-9
-"""m, the same for one or two points, whose normal may turn as fast as the bodies."""
+STILL = 2e-4
+"""m, the same for one or two points, whose normal would turn with a body that rolls; or a part of the smaller one."""
+STILL_PART = 1e-3
 SAME_PLACE = 0.1
 """Of the patch's size: a point without a partner of the same feature inherits from the nearest old one this close."""
 ISOTROPIC = 1e-3
@@ -94,6 +97,12 @@ def margin_of(pose, kinds, a, b):
     """How far ahead contact points are needed in this step, m."""
     speculative = min(SPECULATIVE, SMALL * smaller_reach(pose, kinds, a, b))
     return speculative + pose[a + 1, s.POSE_MARGIN] + pose[b + 1, s.POSE_MARGIN]
+
+
+@jit
+def look_of(pose, kinds, a, b):
+    """How far beyond that contact points are looked for, m."""
+    return min(LOOK, 2.0 * SMALL * smaller_reach(pose, kinds, a, b))
 
 
 @jit
@@ -178,8 +187,8 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin
     manifolds[row, s.LOAD + 2], manifolds[row, s.LOAD + 3] = l2, l3
     meta[row, s.POINTS] = found
     manifolds[row, s.COUNT] = found
-    patch = min(KEPT, KEPT_PART * smaller_reach(pose, kinds, a, b))
-    meta[row, s.LIMIT] = patch if found >= 3 else STILL
+    smaller = smaller_reach(pose, kinds, a, b)
+    meta[row, s.LIMIT] = min(KEPT, KEPT_PART * smaller) if found >= 3 else min(STILL, STILL_PART * smaller)
     put_vec3(manifolds, row, s.NORMAL_A, transpose(Ra) @ n)
     put_vec3(manifolds, row, s.TANGENT_A, transpose(Ra) @ u)
     put_vec3(manifolds, row, s.NORMAL_B, transpose(Rb) @ n)

@@ -12,7 +12,7 @@ from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import SETTLING, clear_manifold, drive_work, is_kept, margin_of, refresh_manifold, settle_lift, take_points
+from stiction.core.manifolds import SETTLING, clear_manifold, drive_work, is_kept, look_of, margin_of, refresh_manifold, settle_lift, take_points
 from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, is_sensed, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
@@ -46,6 +46,7 @@ from stiction.core.state import (
     POSITION,
     ROLLING_LOSS,
     SCRATCH,
+    SEPARATION,
     STATIC,
     TAGS_WIDTH,
     WORK,
@@ -301,8 +302,14 @@ def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, 
         if not (is_awake(kinds, a) or is_awake(kinds, b)) or is_sensed(kinds, a, b):
             continue
         if not is_kept(kinds, a, b, pose, meta, row):
-            margin = 1.5 * margin_of(pose, kinds, a, b)
+            needed = margin_of(pose, kinds, a, b)
+            margin = needed + look_of(pose, kinds, a, b)
             found = pair_contacts(bodies, kinds, a, b, margin, contacts, tags, 0, points, boxes_meet, hulls)
+            nearest = margin
+            for c in range(found):
+                nearest = min(nearest, contacts[c, SEPARATION])
+            if nearest > needed:
+                found, margin = 0, nearest
             take_points(
                 bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow
             )
@@ -327,7 +334,7 @@ def arrange_blocks(kinds, soft, scratch, active, n):
     sizes, starts = counts[COUNTS : COUNTS + COLOURS + 1], counts[COUNTS + COLOURS + 1 :]
     blocks = colour_manifolds(scratch.active, active, kinds, scratch.bodies[USED], sizes)
     if 3 * blocks <= soft.index.shape[0] and blocks * s.FIELDS <= soft.blocks.shape[0]:
-        fill_blocks(scratch.active, active, sizes, starts, soft.index, blocks)
+        fill_blocks(scratch.active, active, sizes, starts, soft.index, blocks, soft.manifolds)
     return blocks
 
 
