@@ -117,7 +117,7 @@ def test_sleeping_bodies_go_on_touching() -> None:
     world = world_of()
     world.add(st.Box((1, 1, 1)), position=(0, 0, 0.5))
     world.add(st.Box((1, 1, 1)), position=(0, 0, 1.5))
-    world.step(200)
+    world.step(400)
     assert not world["box 1"].awake
     world.step(10)
     assert changes(world) == []

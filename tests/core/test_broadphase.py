@@ -19,6 +19,7 @@ GRAVITY, DT = 9.81, 1.0 / 60.0
 def random_bodies(rng: np.random.Generator, n: int, planes: int = 2) -> tuple[Array, Any]:
     """n bodies of every shape and mobility in a cube, some of which overlap, some at equal places."""
     bodies, kinds = state.make_bodies(n)
+    kinds[:, state.LAYER], kinds[:, state.MASK] = 1, -1
     size = 0.4 * n ** (1 / 3)
     for i in range(n):
         shape = state.PLANE if i < planes else int(rng.choice([state.SPHERE, state.BOX]))

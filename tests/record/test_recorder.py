@@ -101,7 +101,7 @@ def test_a_recording_refuses_what_it_cannot_hold() -> None:
             Recorder(world, "t", every=every)  # type: ignore[arg-type]
     recorder = Recorder(world, "t")
     world.add(st.Sphere(1.0))
-    with pytest.raises(InvalidInputError, match="a recording of 3 bodies must not get more, and the world has 4 now"):
+    with pytest.raises(InvalidInputError, match="a recording of 3 bodies must keep them, and the world has 4 now"):
         recorder.capture()
 
 

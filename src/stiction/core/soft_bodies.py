@@ -180,6 +180,17 @@ def finish_free(bodies, kinds, i, pose, gravity, dt, ledger):
 
 
 @jit
+def free_is_finite(bodies, kinds, i, gravity, dt):
+    """Whether a body without contact will have a finite state after a step."""
+    v, w = vec3(bodies, i, V), vec3(bodies, i, W)
+    if kinds[i, MOBILITY] == DYNAMIC:
+        v = v + (gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS]) * dt
+        w = w + vec3(bodies, i, TORQUE) * dt
+    x = vec3(bodies, i, POSITION) + v * dt
+    return math.isfinite(dot(x, x) + dot(v, v) + dot(w, w))
+
+
+@jit
 def enter_work(bodies, i, twice_v, twice_w, dt, ledger):
     """Work of applied forces and torques over a step, by the mean velocities."""
     ledger[WORK] += 0.5 * dt * dot(vec3(bodies, i, FORCE), twice_v)

@@ -10,6 +10,7 @@ from stiction.core import soft_rows as s
 from stiction.core.clock import lap, start_clock
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
+from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
 from stiction.core.manifolds import SETTLING, clear_manifold, drive_work, is_kept, look_of, margin_of, refresh_manifold, settle_lift, take_points
@@ -23,6 +24,7 @@ from stiction.core.soft_bodies import (
     begin_body,
     finish_contact,
     finish_free,
+    free_is_finite,
     move_rows,
     row_is_finite,
 )
@@ -49,6 +51,7 @@ from stiction.core.state import (
     SEPARATION,
     STATIC,
     TAGS_WIDTH,
+    TORQUE,
     WORK,
     V,
 )
@@ -111,6 +114,12 @@ def soft_step(
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
     g, dt = length(gravity), settings.dt
     lists = scratch.bodies
+    broken = first_not_finite(bodies, n)
+    if broken >= 0:
+        for i in range(n):
+            if not is_number(bodies, i):
+                restore_body(bodies, i)
+        return BLOWN_UP, 0, broken
     note_edits(bodies, n, gravity, ledger)
     h = dt / settings.substeps
     take_edits(bodies, kinds, n, cache, soft.pose, soft.rows, soft.aux, lists, scratch.counts, gravity, g, dt, h)
@@ -163,9 +172,17 @@ def soft_step(
         lap(profile, 3)
         solve(soft, scratch, blocks, moving, h, substeps, profile, rolls)
 
-        bad = first_bad_row(soft.rows, lists[MOVING], moving)
+        bad = first_bad_row(bodies, kinds, lists, awake, soft.rows, gravity, dt)
         if bad >= 0:
+            for k in range(touching):
+                lists[MARK, lists[TOUCHING, k]] = 0
+            # the solver's rows of what does not move are not made anew in every step
+            begin_bodies(bodies, kinds, lists[TOUCHING], touching, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
+            for k in range(s.ROW_WIDTH):
+                soft.rows[0, k] = 0.0
+            drop_forces(bodies, lists[AWAKE], awake)
             close_soft_ledger(bodies, n, gravity, ledger)
+            keep_states(bodies, lists[AWAKE], awake)
             return BLOWN_UP, done, bad
         store_blocks(bodies, soft.blocks, soft.index, blocks, soft.manifolds, soft.reports, h, ledger)
         ledger[WORK] += drive_work(
@@ -183,20 +200,19 @@ def soft_step(
             )  # fmt: skip
         lap(profile, 8)
     close_soft_ledger(bodies, n, gravity, ledger)
+    keep_states(bodies, lists[AWAKE], scratch.counts[N_AWAKE])
     return DONE, steps, 0
 
 
 @jit
 def close_soft_ledger(bodies, n, gravity, ledger):
-    """Enter what is left after work and friction: what impacts took, or what the integrator made."""
+    """What is left after work, friction and rolling is what the normal impulses took: those of impacts, and what the
+    springs of soft contacts keep or give back for a while, so that the sum may fall a little.
+    """
     kinetic, potential = total_energy(bodies, n, gravity)
     entered = ledger[INITIAL] + ledger[WORK] + ledger[EDITS] + ledger[NUMERICAL]
     entered -= ledger[FRICTION] + ledger[ROLLING_LOSS] + ledger[IMPACTS]
-    gained = kinetic + potential - entered
-    if gained < 0.0:
-        ledger[IMPACTS] -= gained
-    else:
-        ledger[NUMERICAL] += gained
+    ledger[IMPACTS] -= kinetic + potential - entered
     ledger[MECHANICAL] = kinetic + potential
 
 
@@ -425,12 +441,36 @@ def solve(soft, scratch, count, moving, h, substeps, profile, rolls):
 
 
 @jit
-def first_bad_row(rows, movers, count):
-    """A body whose new state is not finite, or -1."""
-    for k in range(count):
-        if not row_is_finite(rows, movers[k] + 1):
-            return movers[k]
+def first_bad_row(bodies, kinds, lists, awake, rows, gravity, dt):
+    """A body whose new state would not be finite, or so large that its energy is not, or -1: nothing has been moved yet."""
+    for k in range(awake):
+        i = lists[AWAKE, k]
+        if lists[MARK, i]:
+            if not row_is_finite(rows, i + 1):
+                return i
+        elif not free_is_finite(bodies, kinds, i, gravity, dt):
+            return i
     return -1
+
+
+@jit
+def drop_forces(bodies, awake, count):
+    """What was applied for the step that failed is gone with it."""
+    for k in range(count):
+        for c in range(3):
+            bodies[awake[k], FORCE + c] = 0.0
+            bodies[awake[k], TORQUE + c] = 0.0
+
+
+@jit
+def keep_states(bodies, awake, count):
+    """Remember the state of the bodies that are awake, to which a body goes back that is broken from outside."""
+    for k in range(count):
+        i = awake[k]
+        for c in range(7):
+            bodies[i, LAST + c] = bodies[i, POSITION + c]
+        for c in range(6):
+            bodies[i, LAST + 7 + c] = bodies[i, V + c]
 
 
 @jit

@@ -102,14 +102,14 @@ class Capturer:
             force: keep it although it is not due, such as the last one of a run. A step never gives two frames.
 
         Raises:
-            InvalidInputError: bodies were added after the recording began.
+            InvalidInputError: bodies were added or removed after the recording began.
         """
         step = self.world.steps
         if step == self._last or not (force or step % self.every == 0):
             return False
         if len(self.world) != len(self._fixed):
             raise InvalidInputError(
-                f"a recording of {len(self._fixed)} bodies must not get more, and the world has {len(self.world)} now."
+                f"a recording of {len(self._fixed)} bodies must keep them, and the world has {len(self.world)} now."
             )
         self._keep(capture(self.world, contacts=self.contacts, fixed=self._fixed))
         self._last = step

@@ -80,6 +80,9 @@ class Adapter(Engine):
         measure = getattr(self.world, "profile", None)
         if not callable(measure):
             return None
-        found = measure(steps)
+        try:
+            found = measure(steps)
+        except NotYetError:
+            return None
         stages = found if isinstance(found, dict) else found._asdict() if hasattr(found, "_asdict") else vars(found)
         return {str(stage): float(value) for stage, value in stages.items() if isinstance(value, (int, float))}

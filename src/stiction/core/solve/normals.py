@@ -109,6 +109,12 @@ def lowest(x):
 
 
 @jit
+def highest(x):
+    """The largest of four."""
+    return greatest(greatest(x.a, x.b), greatest(x.c, x.d))
+
+
+@jit
 def non_negative(load, A):
     """Loads that solve the problem with load >= 0 instead of ``load``, the solution without that limit, A its inverse.
 

@@ -20,7 +20,7 @@ from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, least, load, scatter, select, size_of, store
 from stiction.core.solve.blocks import get3, get4, get6, put3, put4
-from stiction.core.solve.normals import Four, Sym4, lowest, non_negative, times4
+from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
 from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, ROLLING_LOSS
 from stiction.core.vec import Vec3, columns, cross, dot, put_vec3, transpose
 
@@ -229,7 +229,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     expected = answer * select(together, zero + 1.0, zero)
     for sweep in range(SWEEPS):
         if sweep > 0:
-            going = going & ~together
+            going = going & ~(together & (highest(gap) <= 0.0))
             if not any_of(going):
                 break
         # normals: aim at a closing speed, less where the contact gives way
@@ -334,7 +334,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
         decide_state(blocks, o, sliding, inside, select(loaded, excess, zero))
-        keep_sums(blocks, o, lam, pull, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt)
+        keep_sums(blocks, o, lam, pull, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, sliding)
 
     da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
     df = pull - pull0
@@ -399,13 +399,14 @@ def decide_state(blocks, o, sliding, inside, excess):
 
 
 @jit
-def keep_sums(blocks, o, lam, pull, slip):
-    """Impulses of the step so far, and what friction took: its impulse times the mean slip."""
+def keep_sums(blocks, o, lam, pull, slip, sliding):
+    """Impulses of the step so far, and what friction took where it slides: its impulse times the mean slip."""
     total = get4(blocks, o + s.B_TOTAL_LOAD)
     put4(blocks, o + s.B_TOTAL_LOAD, Four(total.a + lam.a, total.b + lam.b, total.c + lam.c, total.d + lam.d))
     put3(blocks, o + s.B_TOTAL_PULL, get3(blocks, o + s.B_TOTAL_PULL) + pull)
     before = get3(blocks, o + s.B_SLIP)
-    store(blocks, o + s.B_WORK, load(blocks, o + s.B_WORK) + dot(pull, before + slip) * 0.5)
+    work = load(blocks, o + s.B_WORK)
+    store(blocks, o + s.B_WORK, select(sliding, work + dot(pull, before + slip) * 0.5, work))
     put3(blocks, o + s.B_SLIP, slip)
 
 
