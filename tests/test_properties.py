@@ -169,7 +169,7 @@ def test_a_box_thrown_on_the_ground_never_rises_higher_than_its_energy(solver: s
         made = 1e-3 * abs(total) if solver == "soft" else max(energy.numerical - start.numerical, 0.0)
         assert total <= start.kinetic + start.potential + made + 1e-9 * abs(total)
     # how an oblique impact's loss is shared between its normal and its planar part is a convention, the sum is not
-    assert energy.dissipated >= -1e-9 * start.kinetic
+    assert energy.dissipated >= -(1e-5 if solver == "soft" else 1e-9) * start.kinetic
 
 
 @both
@@ -242,6 +242,13 @@ def pile(
 STEPS = 12
 
 
+def alike(solver: str, kind: str) -> float:
+    """How much two runs may differ that are equal but for rounding: m, m/s, rad/s."""
+    soft = {"place": 1e-4, "speed": 1e-2, "spin": 5e-2}
+    micro = {"place": 1e-6, "speed": 1e-4, "spin": 1e-3}
+    return (soft if solver == "soft" else micro)[kind]
+
+
 def run_alike(*worlds: st.World) -> None:
     """Take the steps. Where the solver gives up it says so, and then rounding decides what is left: not compared."""
     for world in worlds:
@@ -271,9 +278,13 @@ def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(solver:
     there = pile(np.random.default_rng(seed + 1), n, solver, place, materials)
     there.gravity = R @ here.gravity
     run_alike(here, there)
-    np.testing.assert_allclose(there.positions[1:], here.positions[1:] @ R.T + shift, rtol=0, atol=1e-6)
-    np.testing.assert_allclose(there.velocities[1:], here.velocities[1:] @ R.T, rtol=0, atol=1e-4)
-    np.testing.assert_allclose(there.angular_velocities[1:], here.angular_velocities[1:] @ R.T, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(
+        there.positions[1:], here.positions[1:] @ R.T + shift, rtol=0, atol=alike(solver, "place")
+    )
+    np.testing.assert_allclose(there.velocities[1:], here.velocities[1:] @ R.T, rtol=0, atol=alike(solver, "speed"))
+    np.testing.assert_allclose(
+        there.angular_velocities[1:], here.angular_velocities[1:] @ R.T, rtol=0, atol=alike(solver, "spin")
+    )
 
 
 @both
@@ -301,9 +312,11 @@ def test_a_scene_in_the_mirror_goes_as_its_mirror_image(solver: str, seed: int, 
     here = pile(np.random.default_rng(seed + 1), n, solver, materials=materials)
     there = pile(np.random.default_rng(seed + 1), n, solver, place, materials)
     run_alike(here, there)
-    np.testing.assert_allclose(there.positions[1:], here.positions[1:] * flip, rtol=0, atol=1e-6)
-    np.testing.assert_allclose(there.velocities[1:], here.velocities[1:] * flip, rtol=0, atol=1e-4)
-    np.testing.assert_allclose(there.angular_velocities[1:], here.angular_velocities[1:] * spin, rtol=0, atol=1e-3)
+    np.testing.assert_allclose(there.positions[1:], here.positions[1:] * flip, rtol=0, atol=alike(solver, "place"))
+    np.testing.assert_allclose(there.velocities[1:], here.velocities[1:] * flip, rtol=0, atol=alike(solver, "speed"))
+    np.testing.assert_allclose(
+        there.angular_velocities[1:], here.angular_velocities[1:] * spin, rtol=0, atol=alike(solver, "spin")
+    )
 
 
 @both
@@ -335,8 +348,8 @@ def test_mass_does_not_matter_where_only_friction_and_gravity_act(solver: str, s
     here = pile(np.random.default_rng(seed + 1), 2, solver, materials=materials)
     there = pile(np.random.default_rng(seed + 1), 2, solver, heavier, materials)
     run_alike(here, there)
-    np.testing.assert_allclose(there.positions, here.positions, rtol=0, atol=1e-6)
-    np.testing.assert_allclose(there.velocities, here.velocities, rtol=0, atol=1e-4)
+    np.testing.assert_allclose(there.positions, here.positions, rtol=0, atol=alike(solver, "place"))
+    np.testing.assert_allclose(there.velocities, here.velocities, rtol=0, atol=alike(solver, "speed"))
 
 
 @both

@@ -116,7 +116,7 @@ def test_arrays_are_views_of_all_bodies() -> None:
 
 @both
 def test_arrays_are_complete_after_many_bodies_were_added(solver: str) -> None:
-    """Storage grows behind the scenes. Fast neighbours that may meet go through the soft solver, in single precision."""
+    """Storage grows behind the scenes. In ``soft``, fast neighbours that may meet move in single precision."""
     world = st.World(gravity=(0, 0, 0), solver=solver)
     for i in range(500):
         world.add(st.Sphere(0.1), position=(i, 0, 0), velocity=(0, 0, 0.1 * i))

@@ -190,7 +190,7 @@ class Body:
     def awake(self) -> bool:
         """Whether the body takes part in the simulation.
 
-        Static bodies never do; ``soft`` leaves islands of bodies alone that are truly at rest; ``micro`` lets none sleep.
+        Static bodies never do; ``soft`` leaves islands alone that are truly at rest; ``micro`` lets none sleep.
         """
         return self.mobility != "static" and not self._world._is_asleep(self.index)
 

@@ -133,7 +133,12 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin
     size2 = (manifolds[row, s.C_U] + manifolds[row, s.C_V]) * SAME_PLACE * SAME_PLACE
 
     # impulses of the same points: by feature, else by place
-    o0, o1, o2, o3 = manifolds[row, s.LOAD], manifolds[row, s.LOAD + 1], manifolds[row, s.LOAD + 2], manifolds[row, s.LOAD + 3]
+    o0, o1, o2, o3 = (
+        manifolds[row, s.LOAD],
+        manifolds[row, s.LOAD + 1],
+        manifolds[row, s.LOAD + 2],
+        manifolds[row, s.LOAD + 3],
+    )
     old_points = int(meta[row, s.POINTS])
     lift = (reports[row, s.LIFT], reports[row, s.LIFT + 1], reports[row, s.LIFT + 2], reports[row, s.LIFT + 3])
     for k in range(4):
@@ -219,7 +224,9 @@ def settle_lift(manifolds, reports, row, part):
     """Let the points of a manifold sink by a part of what they are still held above their depth."""
     if reports[row, s.LIFT] + reports[row, s.LIFT + 1] + reports[row, s.LIFT + 2] + reports[row, s.LIFT + 3] > 0.0:
         for k in range(4):
-            step = reports[row, s.LIFT + k] * part if reports[row, s.LIFT + k] > LEAST_LIFT else reports[row, s.LIFT + k]
+            step = (
+                reports[row, s.LIFT + k] * part if reports[row, s.LIFT + k] > LEAST_LIFT else reports[row, s.LIFT + k]
+            )
             reports[row, s.LIFT + k] -= step
             manifolds[row, s.GAP + k] += step
 
@@ -327,7 +334,11 @@ def measure_patch(contacts, tags, found, center, n, manifolds, row):
         return d * (1.0 / size) if size > 1e-12 else e1
 
     # the points in order around the centre
-    p0, p1, p2 = _place(contacts, 0, center, e1, e2), _place(contacts, 1, center, e1, e2), _place(contacts, 2, center, e1, e2)
+    p0, p1, p2 = (
+        _place(contacts, 0, center, e1, e2),
+        _place(contacts, 1, center, e1, e2),
+        _place(contacts, 2, center, e1, e2),
+    )
     p3 = _place(contacts, 3, center, e1, e2) if found == 4 else p0
     if found == 4:
         a0, a1, a2, a3 = math.atan2(p0.y, p0.x), math.atan2(p1.y, p1.x), math.atan2(p2.y, p2.x), math.atan2(p3.y, p3.x)

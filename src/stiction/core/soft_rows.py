@@ -116,7 +116,7 @@ class Soft(NamedTuple):
     meta: np.ndarray  # (p + 1, META_WIDTH) float64
     reports: np.ndarray  # (p + 1, REPORT_WIDTH)
     blocks: np.ndarray  # (blocks x FIELDS, 8)
-    index: np.ndarray  # (3 x blocks, 8) int32: row of body a, of body b, and of the manifold, a lane
+    index: np.ndarray  # type: ignore[assignment]  # (3 x blocks, 8) int32: rows of bodies a and b, and of the manifold
     rows: np.ndarray  # (n + 1, ROW_WIDTH)
     aux: np.ndarray  # (n + 1, AUX_WIDTH)
     pose: np.ndarray  # (n + 1, POSE_WIDTH) float64

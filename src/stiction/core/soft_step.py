@@ -13,7 +13,17 @@ from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
 from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import SETTLING, clear_manifold, drive_work, is_kept, look_of, margin_of, refresh_manifold, settle_lift, take_points
+from stiction.core.manifolds import (
+    SETTLING,
+    clear_manifold,
+    drive_work,
+    is_kept,
+    look_of,
+    margin_of,
+    refresh_manifold,
+    settle_lift,
+    take_points,
+)
 from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, is_sensed, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
@@ -30,7 +40,17 @@ from stiction.core.soft_bodies import (
 )
 from stiction.core.solve.blocks import prepare_block
 from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
-from stiction.core.solve.soft import COLD_PASSES, NEAR, UNEVEN, has_fresh, lift_block, softness, solve_block, store_blocks, warm_block
+from stiction.core.solve.soft import (
+    COLD_PASSES,
+    NEAR,
+    UNEVEN,
+    has_fresh,
+    lift_block,
+    softness,
+    solve_block,
+    store_blocks,
+    warm_block,
+)
 from stiction.core.state import (
     ASLEEP,
     CONTACT_WIDTH,
@@ -380,7 +400,9 @@ def list_touching(kinds, manifolds, meta, pose, active, count, lists, normals):
             if lists[GLIDE, i] == UNDECIDED:
                 normals[i, 0], normals[i, 1], normals[i, 2] = n.x, n.y, n.z
                 lists[GLIDE, i] = kind
-            elif lists[GLIDE, i] != kind or abs(n.x * normals[i, 0] + n.y * normals[i, 1] + n.z * normals[i, 2]) < 0.999:
+            elif (
+                lists[GLIDE, i] != kind or abs(n.x * normals[i, 0] + n.y * normals[i, 1] + n.z * normals[i, 2]) < 0.999
+            ):
                 lists[GLIDE, i] = NO_GLIDE
     return touching
 

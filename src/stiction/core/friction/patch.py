@@ -212,9 +212,13 @@ def slide(A, b, last, k):
         H = hessian(g, k)
         M = inverse_sym(
             Sym3(
-                A.xx + along * H.xx, A.xy + along * H.xy, A.xz + along * H.xz,
-                A.yy + along * H.yy, A.yz + along * H.yz, A.zz + along * H.zz,
-            )  # fmt: skip
+                A.xx + along * H.xx,
+                A.xy + along * H.xy,
+                A.xz + along * H.xz,
+                A.yy + along * H.yy,
+                A.yz + along * H.yz,
+                A.zz + along * H.zz,
+            )
         )
         rest = r - d * along
         Md = times(M, d)

@@ -15,7 +15,6 @@ from stiction.core.jit import jit
 from stiction.core.lanes import greatest, least, sqrt
 from stiction.core.vec import Vec3, congruent, transpose
 
-
 ROLLING_STEPS = 4
 
 

@@ -212,9 +212,7 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     store(blocks, o + s.B_BETA, select(fixed, beta_stiff, one * beta))
 
     # the patch, from the loads of the last substep; an even load where there is none yet
-    lam = Four(
-        gl[4] * here.a * h_scale, gl[5] * here.b * h_scale, gl[6] * here.c * h_scale, gl[7] * here.d * h_scale
-    )
+    lam = Four(gl[4] * here.a * h_scale, gl[5] * here.b * h_scale, gl[6] * here.c * h_scale, gl[7] * here.d * h_scale)
     put4(blocks, o + s.B_LOAD, lam)
     total = lam.a + lam.b + lam.c + lam.d
     loaded = total > 0.0

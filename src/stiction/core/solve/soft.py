@@ -18,9 +18,9 @@ from stiction.core import soft_rows as s
 from stiction.core.friction.patch import Surface, level, slide, times
 from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, least, load, scatter, select, size_of, store
+from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, load, scatter, select, size_of, store
 from stiction.core.solve.blocks import get3, get4, get6, put3, put4
-from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
+from stiction.core.solve.normals import Four, Sym4, lowest, non_negative, times4
 from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, ROLLING_LOSS
 from stiction.core.vec import Vec3, columns, cross, dot, put_vec3, transpose
 
@@ -213,15 +213,14 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     going = load(blocks, o + s.B_FRESH) > 0.5
     if not cold:
         going = going | ~going
-    inside, loaded, excess = sliding, sliding, zero
+    inside, excess = sliding, zero
 
     # Where friction can stick, the normals are told so: what they do to the slip will be answered by friction, and what
     # that does to them is in the inverse already. So one sweep solves both; elsewhere they alternate.
     slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt
     answer = times(Fi, slip)
     stick = pull + answer
-    carried = lam.a + lam.b + lam.c + lam.d
-    limit = mu_s * carried
+    limit = mu_s * (lam.a + lam.b + lam.c + lam.d)
     together = (dot(stick, stick) <= BEYOND_DOUBT * limit * limit) & ~sliding
     inverse = get10(blocks, o + s.B_INVERSE_STUCK)
     if not all_of(together):
@@ -229,7 +228,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     expected = answer * select(together, zero + 1.0, zero)
     for sweep in range(SWEEPS):
         if sweep > 0:
-            going = going & ~(together & (highest(gap) <= 0.0))
+            going = going & ~together
             if not any_of(going):
                 break
         # normals: aim at a closing speed, less where the contact gives way
@@ -241,10 +240,6 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
             cn + y.a * wu - x.a * wv - aim.a - gamma.a * lam.a, cn + y.b * wu - x.b * wv - aim.b - gamma.b * lam.b,
             cn + y.c * wu - x.c * wv - aim.c - gamma.c * lam.c, cn + y.d * wu - x.d * wv - aim.d - gamma.d * lam.d,
         )  # fmt: skip
-        if sweep == 0:
-            busy = (error.a > 0.0) | (error.b > 0.0) | (error.c > 0.0) | (error.d > 0.0) | (carried > 0.0)
-            if not any_of(busy):
-                return
         if sweep > 0:
             # which lanes go on must not depend on what else is in their block: the others are masked
             going = going & (has_error(error.a, lam.a) | has_error(error.b, lam.b) | has_error(error.c, lam.c)
@@ -282,10 +277,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
         N = lam.a + lam.b + lam.c + lam.d
         N = select(near, greatest(N + (left - left0) * rigid, 0.0), N)
         excess = level(stick * unit_of(select(sliding, mu_d, mu_s) * N, stick), surface)
-        # what carries nothing has no friction, and is no reason to look for any
-        loaded = N > 0.0
-        stick = choose3(loaded, stick, stick * 0.0)
-        inside = (excess <= select(sliding, zero + 1.0, zero + (BEYOND_DOUBT if cold else OVERLOAD))) | ~loaded
+        inside = excess <= select(sliding, zero + 1.0, zero + (BEYOND_DOUBT if cold else OVERLOAD))
         if not all_of(inside):
             # in a cold pass nothing lets go; it may only not pull harder than it ever could
             if not cold:
@@ -333,7 +325,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     if not cold:
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
-        decide_state(blocks, o, sliding, inside, select(loaded, excess, zero))
+        decide_state(blocks, o, sliding, inside, excess)
         keep_sums(blocks, o, lam, pull, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, sliding)
 
     da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
