@@ -18,7 +18,7 @@ from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from stiction.core import state
 from stiction.core.collide.box_box import FACE_PREFERENCE
-from stiction.core.collide.manifold import reduce
+from stiction.core.collide.manifold import SAME_DEPTH, reduce
 from stiction.core.collide.narrow import find_contacts
 
 from .support import (
@@ -294,7 +294,8 @@ def test_a_box_meets_a_plane_with_its_lowest_corners(rng: np.random.Generator) -
             np.testing.assert_allclose(normal, -n, atol=1e-14)
             np.testing.assert_allclose(point, a.corners()[corner] - 0.5 * separation * n, atol=1e-12)
         if len(m):
-            assert m.separations.min() == pytest.approx(heights.min(), abs=1e-8)
+            # depths are told apart by a hundredth of the patch only
+            assert m.separations.min() <= heights.min() + SAME_DEPTH * 2.0 * float(np.linalg.norm(a.size[:3])) + 1e-8
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.3, math.pi / 4])
@@ -517,7 +518,8 @@ def test_reduction_keeps_the_deepest_point_and_a_good_quadrilateral(rng: np.rand
         assert kept <= 4
         assert len({tuple(r) for r in chosen}) == kept
         assert {tuple(r) for r in chosen} <= {tuple(r) for r in before}
-        assert chosen[:, 3].min() == before[:, 3].min()
+        size = np.linalg.norm(np.ptp(before[:, :2], axis=0))
+        assert chosen[:, 3].min() <= before[:, 3].min() + SAME_DEPTH * size
         best = max(ConvexHull(before[list(four), :2]).volume for four in itertools.combinations(range(n), 4))
         ratios.append(ConvexHull(chosen[:, :2]).volume / best)
     assert min(ratios) >= 0.3

@@ -2,8 +2,7 @@
 
 Bits depend on the machine's sine and cosine and on nothing else, so hashes are kept by class of machine. On a class
 that nobody has written down yet, runs are compared with each other, and the test says that this was all it could do.
-After a change of the physics, run this file with STICTION_REGENERATE=1 and look at the difference. The solver is
-``micro``, whose physics is finished.
+After a change of the physics, run this file with STICTION_REGENERATE=1 and look at the difference.
 """
 
 from __future__ import annotations
@@ -89,7 +88,29 @@ def works() -> st.World:
     return world
 
 
-SCENES: dict[str, Callable[[], st.World]] = {"ramp": ramp, "balls": balls, "wall": wall, "works": works}
+def stacks() -> st.World:
+    """The default solver: a tower whose boxes are yawed, a crate that slides into it, another that spins."""
+    table = st.MaterialTable()
+    table.set_pair("default", "default", static=0.6, dynamic=0.4)
+    world = st.World(materials=table)
+    world.add(st.Box((40, 40, 1)), static=True, position=(0, 0, -0.5))
+    for k in range(6):
+        yaw = 0.1 * k
+        world.add(
+            st.Box((1, 1, 1)), position=(0, 0, 0.5 + k), orientation=(math.cos(0.5 * yaw), 0, 0, math.sin(0.5 * yaw))
+        )
+    world.add(st.Box((1, 0.8, 0.5)), position=(-4, 0.2, 0.25), velocity=(6, 0, 0))
+    world.add(st.Box((1, 1, 0.3)), position=(3, 3, 0.15), velocity=(1, 0, 0), angular_velocity=(0, 0, 5))
+    return world
+
+
+SCENES: dict[str, Callable[[], st.World]] = {
+    "ramp": ramp,
+    "balls": balls,
+    "wall": wall,
+    "works": works,
+    "stacks": stacks,
+}
 
 pytestmark = pytest.mark.filterwarnings("ignore::stiction.IterationLimitWarning")
 

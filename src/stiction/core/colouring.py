@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
-from stiction.core.soft_rows import FRESH, LOAD
 from stiction.core.state import DYNAMIC, MOBILITY
 
 COLOURS = 63
@@ -45,11 +44,10 @@ def colour_manifolds(active, m, kinds, used, sizes):
 
 
 @jit
-def fill_blocks(active, m, sizes, starts, index, count, manifolds):
+def fill_blocks(active, m, sizes, starts, index, count):
     """Write the rows of bodies and manifolds into the lanes of ``count`` blocks, colour by colour.
 
-    Rows count from 1: row 0 is nobody's, and fills the lanes that are left over. Within a colour the manifolds that bear
-    a load come first, so that blocks in which nothing happens are passed over as a whole.
+    Rows count from 1: row 0 is nobody's, and fills the lanes that are left over.
     """
     for i in range(3 * count):
         for lane in range(LANES):
@@ -59,15 +57,10 @@ def fill_blocks(active, m, sizes, starts, index, count, manifolds):
         starts[c] = place
         place += (sizes[c] + LANES - 1) // LANES * LANES
     starts[COLOURS] = place
-    for busy in (True, False):
-        for k in range(m):
-            row = active[k, 2] + 1
-            load = manifolds[row, LOAD] + manifolds[row, LOAD + 1] + manifolds[row, LOAD + 2] + manifolds[row, LOAD + 3]
-            if (load + manifolds[row, FRESH] > 0.0) != busy:
-                continue
-            c = active[k, 3]
-            i, lane = starts[c] // LANES, starts[c] % LANES
-            starts[c] += 1 if c < COLOURS else LANES
-            index[i, lane] = active[k, 0] + 1
-            index[i + count, lane] = active[k, 1] + 1
-            index[i + 2 * count, lane] = row
+    for k in range(m):
+        c = active[k, 3]
+        i, lane = starts[c] // LANES, starts[c] % LANES
+        starts[c] += 1 if c < COLOURS else LANES
+        index[i, lane] = active[k, 0] + 1
+        index[i + count, lane] = active[k, 1] + 1
+        index[i + 2 * count, lane] = active[k, 2] + 1

@@ -370,7 +370,7 @@ def arrange_blocks(kinds, soft, scratch, active, n):
     sizes, starts = counts[COUNTS : COUNTS + COLOURS + 1], counts[COUNTS + COLOURS + 1 :]
     blocks = colour_manifolds(scratch.active, active, kinds, scratch.bodies[USED], sizes)
     if 3 * blocks <= soft.index.shape[0] and blocks * s.FIELDS <= soft.blocks.shape[0]:
-        fill_blocks(scratch.active, active, sizes, starts, soft.index, blocks, soft.manifolds)
+        fill_blocks(scratch.active, active, sizes, starts, soft.index, blocks)
     return blocks
 
 
