@@ -68,7 +68,7 @@ def test_seconds_replace_the_scenes_own_time(
     [
         (("run", "rmap"), "(did you mean 'ramp'?)"),
         (("run", "ball", "--set", "world.dtt=1"), "(did you mean 'dt'?)"),
-        (("run", "ball", "--set", "world.solver=soft"), "is not there yet"),
+        (("run", "ball", "--set", "world.solver=exact"), "is not there yet"),
         (("run", "ball", "--seconds", "-1"), "duration"),
         (("run", "ball", "--plot", "a.exe"), "--plot must end in one of"),
         (("run", "ball", "--html", "/proc/none/a.html"), "--html must be a file that can be written"),

@@ -102,7 +102,8 @@ def test_what_is_left_out_is_as_for_a_world_made_by_hand(tmp_path: Path) -> None
     world, other = scene_of(tmp_path, HEAD + CRATE).build(), st.World()
     made = other.add(st.Box((1, 1, 1)))
     crate = world["crate"]
-    assert (world.dt, world.solver) == (other.dt, other.solver)
+    # scenes keep the lecture's solver unless they name another: their tables are those of the lecture
+    assert (world.dt, world.solver) == (other.dt, "micro")
     np.testing.assert_array_equal(world.gravity, other.gravity)
     assert world.materials == other.materials
     assert (crate.mass, crate.material) == (made.mass, made.material)
@@ -361,8 +362,8 @@ def test_every_shape_is_read_and_built(shape: str, tmp_path: Path) -> None:
 
 
 def test_a_solver_that_is_not_there_yet_is_told_by_the_world(tmp_path: Path) -> None:
-    with pytest.raises(NotYetError, match=r"^world: solver 'soft' is not there yet"):
-        scene_of(tmp_path, HEAD + '[world]\nsolver = "soft"\n').build()
+    with pytest.raises(NotYetError, match=r"^world: solver 'exact' is not there yet"):
+        scene_of(tmp_path, HEAD + '[world]\nsolver = "exact"\n').build()
 
 
 def test_a_scene_that_does_not_exist(tmp_path: Path) -> None:
