@@ -24,7 +24,7 @@ seeds = some.integers(0, 2**32 - 1)
 few = settings(max_examples=15)
 both = pytest.mark.parametrize("solver", ["soft", "micro"])
 exact_ones = pytest.mark.parametrize("solver", ["micro"])
-"""``soft`` keeps these to single precision and to its springs only; docs/design/soft.md says how far (section Limits)."""
+"""``soft`` keeps these to single precision and to its springs only: docs/design/soft.md says how far."""
 """For what any world promises; ``soft`` computes contacts in single precision."""
 
 

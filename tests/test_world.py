@@ -270,7 +270,7 @@ def test_a_kinematic_body_moves_as_it_is_told_whatever_it_meets(solver: str) -> 
     ball = world.add(st.Sphere(0.5), mass=1e6, position=(1.2, 0, 0))
     world.run(1.0)
     np.testing.assert_allclose(pusher.position, (1, 0, 0))
-    np.testing.assert_allclose(ball.velocity, (1, 0, 0), atol=3e-3 if solver == "soft" else 1e-6)
+    np.testing.assert_allclose(ball.velocity, (1, 0, 0), atol=1e-2 if solver == "soft" else 1e-6)
     spinner = world.add(st.Sphere(0.1), kinematic=True, position=(0, 9, 0), angular_velocity=(0, 0, math.pi))
     world.run(0.5)
     np.testing.assert_allclose(np.abs(spinner.orientation), (math.sqrt(0.5), 0, 0, math.sqrt(0.5)), atol=1e-12)
