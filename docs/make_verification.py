@@ -1,10 +1,11 @@
-"""Rewrite the tables of verification.md from a run: ``python docs/make_verification.py`` (about a minute).
+"""Rewrite the tables of verification.md from runs: ``python docs/make_verification.py`` (about two minutes).
 
 Everything between two markers ``<!-- NAME: begin -->`` and ``<!-- NAME: end -->`` is replaced, the rest stays as it is.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterable
 from itertools import groupby
@@ -13,21 +14,27 @@ from pathlib import Path
 from stiction import verify
 
 PAGE = Path(__file__).with_name("verification.md")
-SOLVER = "micro"
+SOLVERS = ("soft", "micro")
 COARSE, FINE = 1.0 / 60.0, 1.0 / 240.0
+
+Runs = dict[tuple[str, float], list[verify.Result]]
 
 
 def main() -> None:
-    """Run all cases at two time steps and write the page."""
-    runs = {}
-    for dt in (COARSE, FINE):
-        print(f"dt = 1/{1.0 / dt:.0f} s", file=sys.stderr)
-        runs[dt] = verify.run(solver=SOLVER, dt=dt, progress=lambda name: print(f"  {name} ...", file=sys.stderr))
+    """Run all cases with both solvers at two time steps and write the page."""
+    runs: Runs = {}
+    for solver in SOLVERS:
+        for dt in (COARSE, FINE):
+            print(f"{solver}, dt = 1/{1.0 / dt:.0f} s", file=sys.stderr)
+            runs[solver, dt] = verify.run(
+                solver=solver, dt=dt, progress=lambda name: print(f"  {name} ...", file=sys.stderr)
+            )
     text = PAGE.read_text(encoding="utf-8")
     text = _replace(text, "counts", _counts(runs))
-    text = _replace(text, "overview", _overview(runs[COARSE]))
-    text = _replace(text, "limits", _limits(runs[COARSE], runs[FINE]))
-    text = _replace(text, "cases", _cases(runs[COARSE]))
+    text = _replace(text, "overview", _overview(runs))
+    text = _replace(text, "failures", _failures(runs))
+    text = _replace(text, "limits", _limits(runs["micro", COARSE], runs["micro", FINE]))
+    text = _replace(text, "cases", _cases(runs))
     PAGE.write_text(text, encoding="utf-8")
 
 
@@ -40,25 +47,50 @@ def _replace(text: str, name: str, lines: Iterable[str]) -> str:
     return f"{before}{begin}\n" + "\n".join(lines) + f"\n\n{end}{after}"
 
 
-def _counts(runs: dict[float, list[verify.Result]]) -> Iterable[str]:
-    yield "| time step | measurements | passed | failed | known limits | known limits that pass |"
-    yield "| --- | --- | --- | --- | --- | --- |"
-    for dt, rows in runs.items():
-        yield f"| 1/{1.0 / dt:.0f} s | {len(rows)} | " + " | ".join(str(n) for n in verify.summarise(rows)) + " |"
+def _counts(runs: Runs) -> Iterable[str]:
+    yield "| solver | time step | measurements | passed | failed | known limits | known limits that pass |"
+    yield "| --- | --- | --- | --- | --- | --- | --- |"
+    for (solver, dt), rows in runs.items():
+        counts = " | ".join(str(n) for n in verify.summarise(rows))
+        yield f"| `{solver}` | 1/{1.0 / dt:.0f} s | {len(rows)} | {counts} |"
 
 
-def _overview(rows: list[verify.Result]) -> Iterable[str]:
-    """One line a case: its formula, and the row that comes nearest to its tolerance."""
-    yield "| case | formula | rows | nearest to its tolerance | expected | measured | error | tolerance |"
+def _overview(runs: Runs) -> Iterable[str]:
+    """One line a case and solver: the row that comes nearest to its tolerance."""
+    yield "| case | formula | solver | rows | nearest to its tolerance | expected | measured | error | tolerance |"
+    yield "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+    for case in verify.all_cases():
+        name, formula = f"[{case.name}](#{case.name})", _code(case.formula)
+        for solver in SOLVERS:
+            own = [row for row in runs[solver, COARSE] if row.case == case.name and not row.known_limit]
+            if not own:
+                continue
+            worst = max(own, key=_share)
+            mark = f"`{solver}`" + ("" if worst.passed else " **FAILS**")
+            numbers = (
+                f"{worst.expected:.6g} | {worst.measured:.6g} {worst.unit} | {worst.error:.1e} | {worst.tolerance:.1e}"
+            )
+            yield f"| {name} | {formula} | {mark} | {len(own)} | {_cell(worst.what)} | {numbers} |"
+            name, formula = "", ""
+
+
+def _share(row: verify.Result) -> float:
+    """Error over tolerance; what was not measured at all is the worst."""
+    return row.error / row.tolerance if math.isfinite(row.error) else math.inf
+
+
+def _failures(runs: Runs) -> Iterable[str]:
+    """One line a row that failed although nothing excuses it."""
+    rows = [(dt, row) for (_, dt), own in runs.items() for row in own if not row.passed and not row.known_limit]
+    if not rows:
+        yield "None."
+        return
+    yield "| solver | time step | case | what | expected | measured | error | tolerance |"
     yield "| --- | --- | --- | --- | --- | --- | --- | --- |"
-    for name, group in groupby((row for row in rows if not row.known_limit), key=lambda row: row.case):
-        own = list(group)
-        worst = max(own, key=lambda row: row.error / row.tolerance)
-        link = f"[{name}](#{name}){'' if worst.passed else ' **FAILS**'}"
-        numbers = (
-            f"{worst.expected:.6g} | {worst.measured:.6g} {worst.unit} | {worst.error:.1e} | {worst.tolerance:.1e}"
-        )
-        yield f"| {link} | {_code(worst.formula)} | {len(own)} | {_cell(worst.what)} | {numbers} |"
+    for dt, row in rows:
+        numbers = f"{row.expected:.6g} | {row.measured:.6g} {row.unit} | {row.error:.1e} | {row.tolerance:.1e}"
+        link = f"[{row.case}](#{row.case})"
+        yield f"| `{row.solver}` | 1/{1.0 / dt:.0f} s | {link} | {_cell(row.what)} | {numbers} |"
 
 
 def _limits(coarse: list[verify.Result], fine: list[verify.Result]) -> Iterable[str]:
@@ -72,8 +104,8 @@ def _limits(coarse: list[verify.Result], fine: list[verify.Result]) -> Iterable[
         yield f"| [{row.case}](#{row.case}) | {what} | {row.expected:.4g} {row.unit} | {row.tolerance:.1e} | {sizes} |"
     yield ""
     for case in verify.all_cases():
-        if SOLVER in case.known_limit:
-            yield f"- **{case.name}**: {case.known_limit[SOLVER]}."
+        for reason in case.known_limit.values():
+            yield f"- **{case.name}**: {reason}."
 
 
 def _size(row: verify.Result) -> str:
@@ -82,28 +114,36 @@ def _size(row: verify.Result) -> str:
     return f"{row.measured:.3g} {row.unit}{off}{', passes' if row.passed else ''}"
 
 
-def _cases(rows: list[verify.Result]) -> Iterable[str]:
-    """A section a case."""
-    cases = {case.name: case for case in verify.all_cases()}
-    for name, group in groupby(rows, key=lambda row: row.case):
-        case = cases[name]
-        yield f"### {name}"
+def _cases(runs: Runs) -> Iterable[str]:
+    """A section a case, with the tolerances and the rows of both solvers."""
+    of_case = {
+        solver: {name: list(group) for name, group in groupby(runs[solver, COARSE], key=lambda row: row.case)}
+        for solver in SOLVERS
+    }
+    for case in verify.all_cases():
+        yield f"### {case.name}"
         yield ""
         yield f"{case.title[0].upper()}{case.title[1:]}."
         yield ""
         yield f"- Formula: `{case.formula}`"
         yield f"- Source: {case.source}."
-        yield f"- Tolerance: `{case.tolerance}`"
-        yield f"- Why: {case.tolerance_reason}."
+        if len(case.solvers) == 1:
+            yield f"- For `{case.solvers[0]}` only."
+        shared = len({case.tolerance_of(solver) for solver in case.solvers}) == 1
+        for solver in case.solvers[:1] if shared else case.solvers:
+            tolerance, why = case.tolerance_of(solver)
+            yield f"- Tolerance{'' if shared else f' of `{solver}`'}: `{tolerance}`"
+            yield f"- Why: {why}."
         yield ""
-        yield "| what | expected | measured | error | tolerance | |"
-        yield "| --- | --- | --- | --- | --- | --- |"
-        for row in group:
-            mark = "pass" if row.passed else "known limit" if row.known_limit else "**FAIL**"
-            yield (
-                f"| {_cell(row.what)} | {row.expected:.7g} {row.unit} | {row.measured:.7g} | {row.error:.1e} | "
-                f"{row.tolerance:.1e} | {mark} |"
-            )
+        yield "| solver | what | expected | measured | error | tolerance | |"
+        yield "| --- | --- | --- | --- | --- | --- | --- |"
+        for solver in SOLVERS:
+            for row in of_case[solver].get(case.name, []):
+                mark = "pass" if row.passed else "known limit" if row.known_limit else "**FAIL**"
+                yield (
+                    f"| `{solver}` | {_cell(row.what)} | {row.expected:.7g} {row.unit} | {row.measured:.7g} | "
+                    f"{row.error:.1e} | {row.tolerance:.1e} | {mark} |"
+                )
         yield ""
 
 

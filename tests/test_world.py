@@ -542,7 +542,9 @@ def test_growing_in_the_middle_of_a_call_is_growing_between_calls(solver: str) -
     for _ in range(25):
         many.step()
     assert one.state_hash() == many.state_hash()
-    np.testing.assert_array_equal(np.array(one.energy()), np.array(many.energy()))
+    # soft closes its ledger once a call, so the same sums are taken in another order
+    rounding = 1e-12 if solver == "soft" else 0.0
+    np.testing.assert_allclose(np.array(one.energy()), np.array(many.energy()), rtol=rounding, atol=1e3 * rounding)
 
 
 # --- the lecture's solver word for word -------------------------------------------------------------------------------

@@ -175,9 +175,11 @@ def test_a_ray_enters_where_the_shape_begins(rng: np.random.Generator, shape: in
 @pytest.mark.parametrize("shape", SHAPES, ids=NAMES)
 def test_a_ray_ends_at_its_reach(rng: np.random.Generator, shape: int) -> None:
     scene = Scene(rng, [shape], 1.0)
-    target = scene.project(0, scene.bodies[0, state.POSITION : state.POSITION + 3])
+    target = scene.bodies[0, state.POSITION : state.POSITION + 3]
+    if shape == state.HULL:  # of random points, which need not be all around its origin
+        target = target + scene.axes(0) @ scene.points[0].mean(axis=0)
     if shape == state.PLANE:
-        target = target - 0.1 * scene.axes(0) @ scene.bodies[0, state.SIZE : state.SIZE + 3]
+        target = scene.project(0, target) - 0.1 * scene.axes(0) @ scene.bodies[0, state.SIZE : state.SIZE + 3]
     origin = target + 20.0 * random_unit(rng)
     if shape == state.PLANE:
         origin = target + 20.0 * scene.axes(0) @ scene.bodies[0, state.SIZE : state.SIZE + 3]

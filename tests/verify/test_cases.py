@@ -10,25 +10,34 @@ import pytest
 import stiction as st
 from stiction import verify
 
-SOLVER = "micro"
+SOLVERS = ("soft", "micro")
 CASES = {case.name: case for case in verify.all_cases()}
-LIMITS = {name: case for name, case in CASES.items() if SOLVER in case.known_limit}
+LIMITS = [(solver, name) for name, case in sorted(CASES.items()) for solver in sorted(case.known_limit)]
+STEPS = {"soft": (1 / 60,), "micro": (1 / 60, 1 / 240)}
+"""Time steps of the suite, s. ``stiction verify --dt 0.004166`` has the finer ones of ``soft``."""
 
 LARGEST = {
     "creep-below-threshold": 2e-5,  # m/s
-    "slide-and-spin": 0.2,  # m
-    "spin-down-of-a-face": 0.75,  # s
+    "slide-and-spin-on-corners": 0.2,  # m
+    "spin-down-of-a-face": 1.5,  # s
     "tower-of-ten": 0.05,  # m/s and m
     "heavy-on-light": 0.01,  # m/s and m
 }
-"""How large the error of a known limit may become at dt = 1/60 s before somebody should ask why: about three times what
-it is, so that a limit cannot quietly turn into a fault."""
+"""How large the error of a known limit of ``micro`` may become at dt = 1/60 s before somebody should ask why: about
+three times what it is, so that a limit cannot quietly turn into a fault."""
+
+MUST_PASS = [
+    pytest.param(solver, name, dt, id=f"{solver}-{name}-{1 / dt:.0f} Hz")
+    for name, case in sorted(CASES.items())
+    for solver in case.solvers
+    for dt in STEPS[solver]
+    if (solver, name) not in LIMITS
+]
 
 
-@pytest.mark.parametrize("dt", [1 / 60, 1 / 240], ids=["60 Hz", "240 Hz"])
-@pytest.mark.parametrize("name", sorted(CASES.keys() - LIMITS.keys()))
-def test_a_case_passes(name: str, dt: float) -> None:
-    rows = verify.run([name], solver=SOLVER, dt=dt)
+@pytest.mark.parametrize(("solver", "name", "dt"), MUST_PASS)
+def test_a_case_passes(solver: str, name: str, dt: float) -> None:
+    rows = verify.run([name], solver=solver, dt=dt)
     assert rows
     failed = [
         f"{row.what}: {row.measured:.9g}, not {row.expected:.9g} +- {row.tolerance:.2g} {row.unit}"
@@ -38,13 +47,13 @@ def test_a_case_passes(name: str, dt: float) -> None:
     assert failed == []
 
 
-@pytest.mark.parametrize("name", sorted(LIMITS))
-def test_a_known_limit_is_measured_and_has_a_reason(name: str) -> None:
-    rows = verify.run([name], solver=SOLVER)
+@pytest.mark.parametrize(("solver", "name"), LIMITS)
+def test_a_known_limit_is_measured_and_has_a_reason(solver: str, name: str) -> None:
+    rows = verify.run([name], solver=solver)
     assert rows
     for row in rows:
         assert row.known_limit
-        assert row.reason == LIMITS[name].known_limit[SOLVER]
+        assert row.reason == CASES[name].known_limit[solver]
         assert len(row.reason.split()) > 10, "a reason is a sentence"
         assert math.isfinite(row.measured)
         assert row.error < LARGEST[name]
@@ -59,16 +68,17 @@ def test_more_visits_cure_heavy_on_light_as_its_reason_says(monkeypatch: pytest.
         original(self, **given, iterations=10_000)
 
     monkeypatch.setattr(st.World, "__init__", init)
-    assert all(row.surprise for row in verify.run(["heavy-on-light"], solver=SOLVER))
+    assert all(row.surprise for row in verify.run(["heavy-on-light"], solver="micro"))
 
 
 def test_every_known_limit_has_a_largest_size() -> None:
-    assert LARGEST.keys() == LIMITS.keys()
+    assert LARGEST.keys() == {name for _, name in LIMITS}
+    assert {solver for solver, _ in LIMITS} == {"micro"}
 
 
 def test_a_known_limit_is_one_of_this_solver_only() -> None:
     case = CASES["tower-of-ten"]
-    row = case.judge(verify.Measurement("distance", 1.0, 0.5, 0.1, "m"), "another solver")
+    row = case.judge(verify.Measurement("distance", 1.0, 0.5, 0.1, "m"), "soft")
     assert not row.known_limit
     assert verify.summarise([row]) == (0, 1, 0, 0)
 
@@ -78,17 +88,29 @@ def test_a_case_says_what_it_is(name: str) -> None:
     case = CASES[name]
     assert name == name.lower()
     assert set(name) <= set("abcdefghijklmnopqrstuvwxyz-")
-    for text in (case.title, case.formula, case.source, case.tolerance, case.tolerance_reason):
+    for text in (case.title, case.formula, case.source):
         assert text.strip() == text != ""
+    assert case.solvers
+    assert set(case.solvers) <= set(SOLVERS)
+    assert case.known_limit.keys() | case.other_tolerance.keys() <= set(case.solvers)
+    for solver in case.solvers:
+        for text in case.tolerance_of(solver):
+            assert text.strip() == text != ""
     assert type(case).__doc__
     assert type(case).measure.__doc__
 
 
-def test_tolerances_are_tight() -> None:
-    """No tolerance above 5 % of what it is about, but for angles on a grid and for sizes around zero."""
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_tolerances_are_tight(solver: str) -> None:
+    """No tolerance above 5 % of what it is about, but for angles on a grid and for sizes around zero.
+
+    And but for the plate of 5:1, on which the limit surface of the friction of ``soft`` is off by up to 4 %.
+    """
     loose = {}
-    for name in sorted(CASES.keys() - LIMITS.keys() - {"precession", "spinning-top"}):
-        for row in verify.run([name]):
-            if row.expected != 0.0 and row.tolerance > 0.05 * abs(row.expected):
+    for name, case in sorted(CASES.items()):
+        if solver not in case.solvers or solver in case.known_limit or name in ("precession", "spinning-top"):
+            continue
+        for row in verify.run([name], solver=solver):
+            if row.expected != 0.0 and row.tolerance > 0.05 * abs(row.expected) and "5:1" not in row.what:
                 loose[f"{name}: {row.what}"] = row.tolerance / abs(row.expected)
     assert loose == {}

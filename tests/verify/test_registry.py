@@ -35,15 +35,16 @@ def test_names_are_unique_and_there_are_enough() -> None:
     assert len(names) == len(set(names)) >= 18
 
 
-def test_rows_of_a_run_are_json() -> None:
-    rows = verify.run(["slide-to-roll", "free-fall"])
+@pytest.mark.parametrize("solver", ["soft", "micro"])
+def test_rows_of_a_run_are_json(solver: str) -> None:
+    rows = verify.run(["slide-to-roll", "free-fall"], solver=solver)
     plain = json.loads(json.dumps([row.as_dict() for row in rows], allow_nan=False))
     assert {row["case"] for row in plain} == {"slide-to-roll", "free-fall"}
     for row in plain:
         assert row.keys() == KEYS
         assert row.keys() >= ASKED_FOR
         assert row["passed"] is True
-        assert row["solver"] == "micro"
+        assert row["solver"] == solver
         assert row["error"] == pytest.approx(abs(row["measured"] - row["expected"]), abs=1e-300)
         assert row["error"] <= row["tolerance"]
 
@@ -83,6 +84,7 @@ def test_a_name_given_twice_runs_once() -> None:
         ({"names": [], "dt": 0.0}, "dt must be above 0 s, got 0.0"),
         ({"names": [], "dt": math.nan}, "dt must be a finite number, got nan"),
         ({"names": [], "dt": 0.2}, "dt must be 0.05 s or less, got 0.2"),
+        ({"names": ["pyramid"], "solver": "micro"}, "case 'pyramid' speaks of soft only, got solver 'micro'"),
         ({"names": [], "solver": "mikro"}, "solver must be one of micro, soft, exact, got 'mikro'"),
     ],
 )
@@ -101,7 +103,7 @@ def test_known_limits_are_counted_apart(monkeypatch: pytest.MonkeyPatch) -> None
     good, bad = verify.Measurement("good", 1.0, 1.0, 0.1), verify.Measurement("bad", 1.0, 2.0, 0.1)
     cases = (made("plain", [good, bad, good]), made("limited", [bad, good], micro="it cannot"))
     monkeypatch.setattr(registry, "CASES", cases)
-    rows = verify.run()
+    rows = verify.run(solver="micro")
     assert verify.summarise(rows) == verify.Summary(passed=2, failed=1, known_limits=1, surprises=1)
     assert [row.expected_failure for row in rows] == [None, None, None, "it cannot", None]
     assert [row.surprise for row in rows] == [False, False, False, False, True]
@@ -138,12 +140,34 @@ def test_an_iteration_limit_is_a_note_on_the_rows(monkeypatch: pytest.MonkeyPatc
             yield verify.Measurement("x", 0.0, 0.0, 1.0)
 
     monkeypatch.setattr(registry, "CASES", (Stops,))
-    (row,) = verify.run()
+    (row,) = verify.run(solver="micro")
     assert row.passed
     assert row.expected_failure is None
     assert row.reason == "the solver hit its iteration limit in 1 of the worlds of this case"
 
 
-def test_a_run_repeats_bit_by_bit() -> None:
-    first, second = (verify.run(["stopping-distance", "rolling-down", "momentum"]) for _ in range(2))
+@pytest.mark.parametrize("solver", ["soft", "micro"])
+def test_a_run_repeats_bit_by_bit(solver: str) -> None:
+    names = ["stopping-distance", "rolling-down", "momentum"]
+    first, second = (verify.run(names, solver=solver) for _ in range(2))
     assert first == second
+
+
+def test_the_solver_is_that_of_a_world_nobody_sets_up() -> None:
+    assert {row.solver for row in verify.run(["free-fall"])} == {st.World().solver}
+
+
+def test_cases_that_do_not_speak_of_a_solver_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    zero = [verify.Measurement("x", 0.0, 0.0, 1.0)]
+    one, other = made("one", zero), made("other", zero)
+    other.solvers = ("micro",)
+    monkeypatch.setattr(registry, "CASES", (one, other))
+    assert [row.case for row in verify.run(solver="soft")] == ["one"]
+    assert [row.case for row in verify.run(solver="micro")] == ["one", "other"]
+
+
+def test_a_solver_may_have_a_tolerance_of_its_own() -> None:
+    case = made("own", [])
+    case.other_tolerance = {"soft": ("wide", "it is soft")}
+    assert case().tolerance_of("soft") == ("wide", "it is soft")
+    assert case().tolerance_of("micro") == (case.tolerance, case.tolerance_reason)

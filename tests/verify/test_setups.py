@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stiction.verify import setups
+from stiction.verify.cases_limits import SlideAndSpinOfAFace, mean_arm
 from stiction.verify.cases_motion import complete_elliptic
 from stiction.verify.cases_slopes import largest_that_holds
 
@@ -63,7 +64,7 @@ def test_the_last_step_of_a_slide_is_off_by_no_more_than_said(static: float, dyn
     worst = 0.0
     for v in np.linspace(0.0, static * g * dt, 201):
         worst = max(worst, abs(0.5 * v * dt - v * v / (2.0 * dynamic * g)))
-    assert worst == pytest.approx(setups.stop_error(static, dynamic, dt), rel=1e-3)
+    assert worst == pytest.approx(setups.stop_error("micro", static, dynamic, dt), rel=1e-3)
 
 
 @pytest.mark.parametrize("k2", [0.0, 0.3, 0.99])
@@ -98,3 +99,59 @@ def test_the_search_says_when_nothing_holds_or_everything_does() -> None:
     holds, gives = largest_that_holds(lambda degrees: False, 20.03)
     assert holds == pytest.approx(20.6)
     assert math.isnan(gives)
+
+
+def test_what_soft_alone_is_allowed_is_nothing_for_micro() -> None:
+    dt = 1 / 60
+    for allowed in (
+        setups.rounding("micro", 5.0, 1.0, dt),
+        setups.delay("micro", dt),
+        setups.begin_error("micro", 3.0, dt),
+        setups.lean("micro", dt, 1.0, 1.0),
+        setups.arm_error("micro", dt, 0.1),
+        setups.soft_bounce("micro"),
+    ):
+        assert allowed == 0.0
+
+
+@pytest.mark.parametrize("speed", [1.1, 1.9, 5.0])
+def test_single_precision_rounds_a_steady_motion_by_no_more_than_said(speed: float) -> None:
+    """A velocity that loses the same amount in each substep, kept in single precision."""
+    h, n = 1 / 480, 400
+    loss = 0.1 * setups.G * h
+    v = np.float32(speed)
+    for _ in range(n):
+        v = np.float32(v - np.float32(loss))
+    off = abs(float(v) - (speed - n * loss))
+    assert 0.0 < off <= setups.rounding("soft", speed, n * h, 8 * h)
+
+
+def test_how_deep_a_box_sinks() -> None:
+    assert setups.box_compliance((1.0, 1.0, 1e-9)) == pytest.approx(7.0 / 4.0)
+    assert setups.box_compliance((1.0, 1.0, 1.0)) == pytest.approx(1.0)
+    assert setups.sink("soft", 1 / 60) == pytest.approx(1e-6 + setups.G / 624.0**2)
+    assert setups.sink("micro", 1 / 60) == 1e-6
+
+
+@pytest.mark.parametrize(("a", "b"), [(1.0, 1.0), (2.0, 0.4)])
+def test_the_mean_arm_of_a_rectangle(a: float, b: float) -> None:
+    """Against the integral, by a fine grid of points."""
+    x, y = np.meshgrid(*(((np.arange(500) + 0.5) / 500 - 0.5) * side for side in (a, b)))
+    assert mean_arm(a, b) == pytest.approx(float(np.mean(np.hypot(x, y))), rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("shape", "spin", "distance"),
+    [
+        ("square", 10.0, 2.9072),
+        ("square", 20.0, 5.2400),
+        ("disc", 5.0, 1.8148),
+        ("disc", 10.0, 2.6301),
+        ("disc", 20.0, 4.6185),
+    ],
+)
+def test_the_reference_of_slide_and_spin_agrees_with_another(shape: str, spin: float, distance: float) -> None:
+    """Those distances come from the pressure integral in closed form, edge by edge."""
+    case = SlideAndSpinOfAFace()
+    points, inertia = (case._rectangle(1.0, 1.0), 1.0 / 6.0) if shape == "square" else (case._disc(0.5), 0.125)
+    assert case._reference(points, spin, inertia) == pytest.approx(distance, rel=3e-4)

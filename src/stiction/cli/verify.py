@@ -13,21 +13,23 @@ NUMBERS = ("expected", "measured", "error", "tolerance")
 
 def verify(
     cases: Annotated[list[str] | None, typer.Argument(help="Names of cases; all if left out.")] = None,
-    solver: Annotated[str, typer.Option(help="Solver to measure.")] = "micro",
+    solver: Annotated[str | None, typer.Option(help="Solver to measure: soft (the default) or micro.")] = None,
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 1.0 / 60.0,
     json: Annotated[bool, typer.Option("--json", help="Print every measurement as JSON.")] = False,
     list_: Annotated[bool, typer.Option("--list", help="List the cases with formula and source.")] = False,
 ) -> None:
     """Measure closed-form cases and compare; exit status 1 if one fails that this solver should pass."""
     from stiction.verify import all_cases, run, summarise
+    from stiction.world import World
 
     if list_:
-        made = table("Cases", ["case", "what", "formula", "source"])
+        made = table("Cases", ["case", "what", "formula", "source", "solvers"])
         for case in all_cases():
-            made.add_row(f"[bold]{case.name}[/]", case.title, case.formula, case.source)
+            made.add_row(f"[bold]{case.name}[/]", case.title, case.formula, case.source, " ".join(case.solvers))
         out.print(made)
         return
 
+    solver = World(solver=solver).solver
     results = run(cases or None, solver=solver, dt=dt, progress=None if json else lambda name: say(f"  {name} …"))
     summary = summarise(results)
     if json:

@@ -48,7 +48,7 @@ LOOK = 0.01
 KEPT = 5e-4
 """m, a patch of three or four points is kept while the bodies have moved by less, or a five-hundredth of the smaller."""
 KEPT_PART = 0.002
-STILL = 2e-4
+STILL = 1e-9
 """m, the same for one or two points, whose normal would turn with a body that rolls; or a part of the smaller one."""
 STILL_PART = 1e-3
 SAME_PLACE = 0.1
@@ -58,6 +58,8 @@ SETTLING = 1.0
 """s, in which a new contact sinks to 1/e of what its load lets it sink."""
 LEAST_LIFT = 1e-9
 """m"""
+NOWHERE = 1e3
+"""m, separation of a point that is not there: never near."""
 
 
 @jit
@@ -184,7 +186,7 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin
     for k in range(4):
         here = k < found
         d = vec3(contacts, k, POINT) - center
-        manifolds[row, s.GAP + k] = contacts[k, SEPARATION] - reports[row, s.LIFT + k] if here else 0.0
+        manifolds[row, s.GAP + k] = contacts[k, SEPARATION] - reports[row, s.LIFT + k] if here else NOWHERE
         manifolds[row, s.PLACE_U + k] = dot(d, u) if here else 0.0
         manifolds[row, s.PLACE_V + k] = dot(d, v) if here else 0.0
         meta[row, s.FEATURES + k] = tags[k, FEATURE] if here else -1
@@ -269,19 +271,19 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row):
         put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
     if kinds[a, MOBILITY] == KINEMATIC or kinds[b, MOBILITY] == KINEMATIC:
         # a turntable carries its surface round while the arms of a step stand still
-        turning = centripetal(bodies, kinds, a, ra) - centripetal(bodies, kinds, b, rb)
+        turning = carried_round(bodies, kinds, a, b) - carried_round(bodies, kinds, b, a)
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)
         n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
         manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
 
 
 @jit
-def centripetal(bodies, kinds, i, r):
-    """w x (w x r) of a kinematic body; others turn as contacts let them."""
+def carried_round(bodies, kinds, i, other):
+    """How fast the velocity of the surface of kinematic body i changes under a body that moves over it: w x v."""
     if kinds[i, MOBILITY] != KINEMATIC:
         return Vec3(0.0, 0.0, 0.0)
     w = vec3(bodies, i, W)
-    return cross(w, cross(w, r))
+    return cross(w, vec3(bodies, other, V))
 
 
 @jit

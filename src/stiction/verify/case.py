@@ -110,6 +110,8 @@ class Case(ABC):
         source: the law, text or paper that the formula comes from.
         tolerance: as a formula of dt, of the solver's own tolerance ``eps`` (m/s a step) and of the scene.
         tolerance_reason: where an error of that size comes from.
+        other_tolerance: for each solver whose tolerance is another one, what it is and why, as two texts.
+        solvers: that the formula speaks of; the others are not measured.
         known_limit: for each solver that cannot pass this case by its nature, why. Such a case is run, measured and
             listed like any other, but a row of it that does not pass is not a failure.
     """
@@ -120,6 +122,8 @@ class Case(ABC):
     source: ClassVar[str]
     tolerance: ClassVar[str]
     tolerance_reason: ClassVar[str]
+    other_tolerance: ClassVar[Mapping[str, tuple[str, str]]] = {}
+    solvers: ClassVar[tuple[str, ...]] = ("soft", "micro")
     known_limit: ClassVar[Mapping[str, str]] = {}
 
     @abstractmethod
@@ -130,6 +134,10 @@ class Case(ABC):
             solver: a solver that this version has.
             dt: time step, s.
         """
+
+    def tolerance_of(self, solver: str) -> tuple[str, str]:
+        """The tolerance that holds for a solver, as a formula, and where it comes from."""
+        return self.other_tolerance.get(solver, (self.tolerance, self.tolerance_reason))
 
     def judge(self, measurement: Measurement, solver: str, reason: str | None = None) -> Result:
         """A row from a measurement.

@@ -13,16 +13,25 @@ from stiction.verify.case import Case, Measurement
 from stiction.verify.setups import (
     G,
     Slope,
+    arm_error,
     arrival,
+    begin_error,
+    delay,
     distance_error,
     make_world,
+    rounding,
     speed_error,
     steps_for,
+    stop_error,
 )
 
 LAWS = "Newton's second law and Coulomb's law"
 K = 0.4
 """I / (m r^2) of a solid sphere."""
+SHORT_ARM = (
+    "contact is made in the middle of a penetration of g / omega^2 (omega h = 1.3), so I / (m r^2) is off by a share "
+    "of g / (r omega^2); and single precision (u = 2^-24) rounds velocities in each substep, the same way"
+)
 
 
 def _ball(world: st.World, radius: float, **state: object) -> st.Body:
@@ -43,6 +52,13 @@ class SlideToRoll(Case):
         "one contact is resolved at once, so only the solver's tolerance is left; friction ceases within a step, not"
         " at its end, which moves the ball by mu_d g dt^2 / 8 at most"
     )
+    other_tolerance: ClassVar = {
+        "soft": (
+            "e + v0 g / (r omega^2) (speed), that over mu_d g (time), mu_d g h^2 / 8 and that times t (distance); "
+            "e = eps sqrt(t / dt) + u v0 t / h",
+            SHORT_ARM,
+        ),
+    }
     SPEED: ClassVar = 7.0
     MU: ClassVar = 0.2
     RADIUS: ClassVar = 0.11
@@ -63,15 +79,17 @@ class SlideToRoll(Case):
             if not began and slip[-1] < 1e-3 * v0:
                 began = k
         eps = speed_error(solver, dt, dt)
+        short = v0 * arm_error(solver, dt, r) + rounding(solver, v0, roll, dt)
         v = v0 / (1.0 + K)
-        yield Measurement("speed when rolling", v, float(ball.velocity @ direction), eps, "m/s")
+        yield Measurement("speed when rolling", v, float(ball.velocity @ direction), eps + short, "m/s")
         spin = float(ball.angular_velocity @ np.cross((0.0, 0.0, 1.0), direction))
-        yield Measurement("surface speed r w when rolling", v, spin * r, eps, "m/s")
-        yield Measurement("time until it rolls", roll, arrival(slip, dt), 10 * eps / (mu * G), "s")
+        yield Measurement("surface speed r w when rolling", v, spin * r, eps + short, "m/s")
+        yield Measurement("time until it rolls", roll, arrival(slip, dt), (10 * eps + short) / (mu * G), "s")
         # where it has begun to roll, at the end of that step; on from the exact point it goes with v
         d = v0 * roll - 0.5 * mu * G * roll * roll
         measured = x[began] - v * (began * dt - roll) if began else math.nan
-        yield Measurement("distance until it rolls", d, measured, mu * G * dt * dt / 8.0 + eps, "m")
+        slack = stop_error(solver, mu, mu, dt) + eps + short * roll
+        yield Measurement("distance until it rolls", d, measured, slack, "m")
 
 
 class Backspin(Case):
@@ -83,6 +101,12 @@ class Backspin(Case):
     source = LAWS + "; Coriolis, 'Theorie mathematique des effets du jeu de billard' (1835)"
     tolerance = "eps (speed), 10 eps / (mu_d g) (time)"
     tolerance_reason = "one contact is resolved at once, so only the solver's tolerance is left"
+    other_tolerance: ClassVar = {
+        "soft": (
+            "e + V g / (r omega^2) (speed), that over mu_d g (time); e = eps sqrt(t / dt) + u V t / h, V = v0 + r w0",
+            SHORT_ARM,
+        ),
+    }
     SPEED: ClassVar = 2.0
     MU: ClassVar = 0.3
     RADIUS: ClassVar = 0.05
@@ -100,10 +124,12 @@ class Backspin(Case):
                 world.step()
                 slip.append(float(ball.velocity[0] - r * ball.angular_velocity[1]))
             eps = speed_error(solver, dt, dt)
+            short = slip[0] * arm_error(solver, dt, r) + rounding(solver, slip[0], roll, dt)
             v = (1.0 - K * ratio) * v0 / (1.0 + K)
-            yield Measurement(f"speed when rolling, r w0 = {ratio:g} v0", v, float(ball.velocity[0]), eps, "m/s")
+            what = f"r w0 = {ratio:g} v0"
+            yield Measurement(f"speed when rolling, {what}", v, float(ball.velocity[0]), eps + short, "m/s")
             yield Measurement(
-                f"time until it rolls, r w0 = {ratio:g} v0", roll, arrival(slip, dt), 10 * eps / (mu * G), "s"
+                f"time until it rolls, {what}", roll, arrival(slip, dt), (10 * eps + short) / (mu * G), "s"
             )
 
 
@@ -119,6 +145,13 @@ class RollingDown(Case):
     source = LAWS
     tolerance = "eps sqrt(t / dt) (speeds), eps t sqrt(t / dt) (distance)"
     tolerance_reason = "constant forces are integrated exactly, which leaves the solver's tolerance"
+    other_tolerance: ClassVar = {
+        "soft": (
+            "e + v g / (r omega^2) + 4 h |a' - a| (speeds), that times t (distance); e = eps sqrt(t / dt) + u v t / "
+            "h, a' the acceleration by the other formula",
+            SHORT_ARM + "; and just above the threshold the ball rolls for up to 4 h until it is seen to slip",
+        ),
+    }
     MU: ClassVar = 0.2
     RADIUS: ClassVar = 0.3
     SECONDS: ClassVar = 2.0
@@ -140,12 +173,47 @@ class RollingDown(Case):
             rolls = tan < limit
             a, spin_up = (pull / (1.0 + K),) * 2 if rolls else (pull - grip, grip / K)
             how = f"tan(theta) = {tan:.4g} ({'rolls' if rolls else 'slips'})"
-            eps = speed_error(solver, t, dt)
+            eps = speed_error(solver, t, dt, max(a, spin_up) * t) + a * t * arm_error(solver, dt, r)
+            if limit < tan < 1.05 * limit:
+                rolling = pull / (1.0 + K)
+                eps += delay(solver, dt) * max(abs(rolling - a), abs(rolling - spin_up))
             d = float((ball.position - start) @ slope.down)
             yield Measurement(f"distance, {how}", 0.5 * a * t * t, d, eps * t, "m")
             yield Measurement(f"speed, {how}", a * t, float(ball.velocity @ slope.down), eps, "m/s")
             spin = float(ball.angular_velocity @ np.cross(slope.normal, slope.down))
             yield Measurement(f"surface speed r w, {how}", spin_up * t, spin * r, eps, "m/s")
+
+
+class SlowRoll(Case):
+    """What pushes or brakes a ball by a micrometre of arm shows only where the ball is slow."""
+
+    name = "slow-roll"
+    title = "a ball that rolls at 1 mm/s goes on at 1 mm/s"
+    formula = "v = v0, d = v0 t"
+    source = LAWS
+    tolerance = "eps sqrt(t / dt) (speed), that times t (distance)"
+    tolerance_reason = "nothing acts along the floor, which leaves the solver's tolerance"
+    other_tolerance: ClassVar = {
+        "soft": (
+            "e + v0 g / (r omega^2) (speed), that times t (distance); e = eps sqrt(t / dt) + u v0 t / h",
+            SHORT_ARM,
+        ),
+    }
+    SPEED: ClassVar = 1e-3
+    RADIUS: ClassVar = 0.25
+    SECONDS: ClassVar = 5.0
+
+    def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
+        """Five seconds, in which the ball turns by a degree."""
+        v, r = self.SPEED, self.RADIUS
+        world = make_world(solver, dt, static=0.5)
+        ball = _ball(world, r, velocity=(v, 0, 0), angular_velocity=(0, v / r, 0))
+        steps = steps_for(self.SECONDS, dt)
+        t = steps * dt
+        world.step(steps)
+        slack = speed_error(solver, t, dt, v) + v * arm_error(solver, dt, r)
+        yield Measurement("speed", v, float(ball.velocity[0]), slack, "m/s")
+        yield Measurement("distance", v * t, float(ball.position[0]), slack * t, "m")
 
 
 class RollingResistance(Case):
@@ -157,6 +225,13 @@ class RollingResistance(Case):
     source = "Newton's second law with a moment of rolling resistance of at most delta N, delta a length"
     tolerance = "a dt^2 / 8 + eps t sqrt(t / dt), with a = 5/7 g delta / r"
     tolerance_reason = "the ball stops within a step, not at its end; and the solver's tolerance enters in every step"
+    other_tolerance: ClassVar = {
+        "soft": (
+            "a h dt / 2 + t (e + v g / (r omega^2)) (distance), (e + v g / (r omega^2)) / a (time); e = eps sqrt(t / "
+            "dt) + u v t / h",
+            SHORT_ARM,
+        ),
+    }
     SPEED: ClassVar = 1.5
     DELTA: ClassVar = 0.01
     RADIUS: ClassVar = 0.2
@@ -173,9 +248,10 @@ class RollingResistance(Case):
         for _ in range(steps_for(1.2 * stop, dt)):
             world.step()
             speeds.append(float(np.linalg.norm(ball.velocity)))
-        eps = speed_error(solver, stop, dt)
+        eps = speed_error(solver, stop, dt, v) + v * arm_error(solver, dt, r)
         d = float(ball.position @ direction)
-        yield Measurement("distance", 0.5 * v * v / a, d, a * dt * dt / 8.0 + eps * stop, "m")
+        within_step = {"micro": a * dt * dt / 8.0, "soft": begin_error(solver, a, dt)}[solver]
+        yield Measurement("distance", 0.5 * v * v / a, d, within_step + eps * stop, "m")
         yield Measurement("time to stop", stop, arrival(speeds, dt), eps / a, "s")
 
 
@@ -190,6 +266,13 @@ class RollingResistanceOnSlope(Case):
     tolerance_reason = (
         "a ball that is held may creep with the solver's tolerance; constant forces are integrated exactly"
     )
+    other_tolerance: ClassVar = {
+        "soft": (
+            "2 eps t (held), t (eps sqrt(t / dt) + u v t / h) + (g sin(theta) + g (delta / r) cos(theta)) g t^2 / (2 "
+            "r omega^2) (rolling)",
+            SHORT_ARM + "; near the threshold the acceleration is a small difference of two that are off by that share",
+        ),
+    }
     DELTA: ClassVar = 0.02
     RADIUS: ClassVar = 0.25
     SECONDS: ClassVar = 3.0
@@ -212,7 +295,9 @@ class RollingResistanceOnSlope(Case):
                 yield Measurement(what, 0.0, d, 2.0 * speed_error(solver, dt, dt) * t, "m")
             else:
                 a = G * (math.sin(slope.angle) - c * math.cos(slope.angle)) / (1.0 + K)
-                yield Measurement(what, 0.5 * a * t * t, d, distance_error(solver, t, dt), "m")
+                both = G * (math.sin(slope.angle) + c * math.cos(slope.angle))
+                slack = distance_error(solver, t, dt, a * t) + 0.5 * both * t * t * arm_error(solver, dt, self.RADIUS)
+                yield Measurement(what, 0.5 * a * t * t, d, slack, "m")
 
 
 class TorsionalResistance(Case):
@@ -224,6 +309,14 @@ class TorsionalResistance(Case):
     source = "Euler's law with a moment of torsional resistance of at most tau N, tau a length"
     tolerance = "(tau g / (2/5 r^2)) dt^2 / 8 + eps t sqrt(t / dt) / r"
     tolerance_reason = "the ball stops within a step, not at its end; and the solver's tolerance enters in every step"
+    other_tolerance: ClassVar = {
+        "soft": (
+            "(tau g / (2/5 r^2)) dt^2 / 8 + t e / r (angle), e / r over the braking (time); e = eps sqrt(t / dt) + u "
+            "r w t / h",
+            "the ball stops within a step; and single precision (u = 2^-24) rounds its spin in each substep, the same "
+            "way",
+        ),
+    }
     SPIN: ClassVar = 20.0
     TAU: ClassVar = 0.004
     RADIUS: ClassVar = 0.1
@@ -244,7 +337,7 @@ class TorsionalResistance(Case):
             half = math.atan2(after[3], after[0]) - math.atan2(before[3], before[0])
             angle += 2.0 * math.remainder(half, math.pi)
             spins.append(float(ball.angular_velocity[2]))
-        eps = speed_error(solver, stop, dt) / r
+        eps = speed_error(solver, stop, dt, w * r) / r
         yield Measurement("time to stop", stop, arrival(spins, dt), eps / brake, "s")
         yield Measurement("angle turned", 0.5 * w * stop, angle, brake * dt * dt / 8.0 + eps * stop, "rad")
         free = make_world(solver, dt, static=0.5)

@@ -16,7 +16,9 @@ from stiction.verify.setups import (
     arrival,
     box_inertia,
     distance_error,
+    lean,
     make_world,
+    sink,
     speed_error,
     steps_for,
     stop_error,
@@ -41,6 +43,15 @@ class StoppingDistance(Case):
         "the plank stops within a step, not at its end, and mu_s may hold it a little before; and the solver's "
         "tolerance eps enters the speed in every step, with either sign"
     )
+    other_tolerance: ClassVar = {
+        "soft": (
+            "mu_d g h^2 / 8 + 7/4 (g / omega^2) H / b + e t (distance), e / (mu_d g) (time), e = eps sqrt(t / dt) + u "
+            "v t / h",
+            "the plank stops within a substep h, and straightens up, which had leant over (height H, width b) into "
+            "springs of omega h = 1.3; and u v t / h is what single precision (u = 2^-24) makes of a speed v, rounded "
+            "the same way in each substep",
+        ),
+    }
     SPEED: ClassVar = 5.0
     STATIC: ClassVar = 0.5
     DYNAMIC: ClassVar = 0.3
@@ -71,8 +82,8 @@ class StoppingDistance(Case):
                 seen.append(float(np.linalg.norm(plank.velocity)))
 
         d = v * v / (2.0 * mu * G)
-        within_step = stop_error(self.STATIC, mu, dt)
-        slack = distance_error(solver, 1.2 * stop, dt)
+        within_step = stop_error(solver, self.STATIC, mu, dt) + lean(solver, dt, 0.2, 0.4)
+        slack = distance_error(solver, 1.2 * stop, dt, v)
         along, aside, turn = [], [], []
         for plank, start, direction in zip(planks, starts, directions, strict=True):
             path = plank.position - start
@@ -90,14 +101,14 @@ class StoppingDistance(Case):
         yield Measurement("turn about the vertical, worst of 36", 0.0, max(turn), slack, "rad")
         times = [arrival(seen, dt) for seen in speeds]
         worst = max(times, key=lambda t: abs(t - stop))
-        yield Measurement("time to stop, worst of 36", stop, worst, speed_error(solver, stop, dt) / (mu * G), "s")
+        yield Measurement("time to stop, worst of 36", stop, worst, speed_error(solver, stop, dt, v) / (mu * G), "s")
 
 
 class SpinDownOnCorners(Case):
     """An engine that keeps the corners of a face as contact points must be compared with corners, not with the face.
 
     Loads of m g in all at the distance r_c from the axis brake with mu_d m g r_c. A face under uniform pressure
-    would brake less, and later: see the case ``spin-down-of-a-face``.
+    would brake less, and later: see the case ``spin-down-of-a-face``, which is the one for other engines.
     """
 
     name = "spin-down-on-corners"
@@ -108,6 +119,7 @@ class SpinDownOnCorners(Case):
     tolerance_reason = (
         "the slab stops within a step; all corners have the same arm, so it does not matter how they share the load"
     )
+    solvers = ("micro",)
     SPIN: ClassVar = 6.0
     STATIC: ClassVar = 0.5
     DYNAMIC: ClassVar = 0.4
@@ -134,7 +146,7 @@ class SpinDownOnCorners(Case):
             angle += turned_by(q, slab.orientation)
             q = slab.orientation
         eps = speed_error(solver, stop, dt) / r
-        slack = stop_error(self.STATIC, mu, dt) * brake / (mu * G) + eps * stop
+        slack = stop_error(solver, self.STATIC, mu, dt) * brake / (mu * G) + eps * stop
         yield Measurement("time to stop", stop, arrival(spins, dt), eps / brake, "s")
         yield Measurement("angle turned", 0.5 * w0 * stop, angle, slack, "rad")
 
@@ -148,6 +160,14 @@ class ThinSheet(Case):
     source = LAWS
     tolerance = "mu_d g dt^2 / 8 + eps t sqrt(t / dt) (distance), 1e-5 m (height), 1e-4 rad (tilt)"
     tolerance_reason = "as for 'stopping-distance'; the solver leaves penetrations of at most 1e-6 m"
+    other_tolerance: ClassVar = {
+        "soft": (
+            "mu_d g h^2 / 8 + t (eps sqrt(t / dt) + u v t / h) (distance), 7/4 g / omega^2 + 1e-6 m (height), 1e-4 "
+            "rad (tilt)",
+            "as for 'stopping-distance'; a corner carries m g / 4 and yields by 7 / (m omega^2), omega h = 1.3, so a "
+            "face sinks by 7/4 g / omega^2",
+        ),
+    }
     SPEED: ClassVar = 5.0
     DYNAMIC: ClassVar = 0.3
 
@@ -155,6 +175,7 @@ class ThinSheet(Case):
         """Sheets of a tenth and of half of the way in a step."""
         v, mu = self.SPEED, self.DYNAMIC
         d, stop = v * v / (2.0 * mu * G), v / (mu * G)
+        deep = {"micro": 1e-5}.get(solver, sink(solver, dt, 7.0 / 4.0))
         for share in (0.1, 0.5):
             world = make_world(solver, dt, static=mu)
             world.add(st.Plane(), static=True)
@@ -167,7 +188,7 @@ class ThinSheet(Case):
                 low = min(low, float(sheet.position[2]) - 0.5 * thickness)
                 tilt = max(tilt, turned_by((1, 0, 0, 0), sheet.orientation))
             what = f"thickness {share:g} v dt"
-            slack = stop_error(mu, mu, dt) + distance_error(solver, stop, dt)
+            slack = stop_error(solver, mu, mu, dt) + distance_error(solver, stop, dt, v)
             yield Measurement(f"distance, {what}", d, float(sheet.position @ (0.6, 0.8, 0.0)), slack, "m")
-            yield Measurement(f"lowest height of the centre, {what}", 0.0, low, 1e-5, "m")
+            yield Measurement(f"lowest height of the centre, {what}", 0.0, low, deep, "m")
             yield Measurement(f"largest tilt, {what}", 0.0, tilt, 1e-4, "rad")

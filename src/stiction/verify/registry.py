@@ -17,6 +17,7 @@ from stiction.verify import (
     cases_rolling,
     cases_sliding,
     cases_slopes,
+    cases_stacks,
 )
 from stiction.verify.case import Case, Measurement, Result
 from stiction.world import World
@@ -50,6 +51,7 @@ CASES: tuple[type[Case], ...] = (
     cases_rolling.SlideToRoll,
     cases_rolling.Backspin,
     cases_rolling.RollingDown,
+    cases_rolling.SlowRoll,
     cases_rolling.RollingResistance,
     cases_rolling.RollingResistanceOnSlope,
     cases_rolling.TorsionalResistance,
@@ -69,10 +71,15 @@ CASES: tuple[type[Case], ...] = (
     cases_motion.EnergyLedger,
     cases_motion.SlideToRollEnergy,
     cases_limits.CreepBelowThreshold,
-    cases_limits.SlideAndSpin,
+    cases_limits.SlideAndSpinOnCorners,
+    cases_limits.SlideAndSpinOfAFace,
     cases_limits.SpinDownOfAFace,
     cases_limits.TowerOfTen,
     cases_limits.HeavyOnLight,
+    cases_stacks.SinkOfSoftContacts,
+    cases_stacks.CrookedTower,
+    cases_stacks.Pyramid,
+    cases_stacks.HeavyOnTop,
 )
 
 
@@ -99,7 +106,7 @@ def all_cases() -> tuple[Case, ...]:
 
 def run(
     names: Iterable[str] | None = None,
-    solver: str = "micro",
+    solver: str | None = None,
     dt: float = DEFAULT_DT,
     progress: Callable[[str], None] | None = None,
 ) -> list[Result]:
@@ -109,20 +116,22 @@ def run(
     so it becomes a note (:attr:`Result.reason`) on the rows of the case. A world that blows up is a row that failed.
 
     Args:
-        names: of cases; all if left out. They are run in the order of :func:`all_cases`, each once.
-        solver: that is measured.
+        names: of cases; all that speak of the solver if left out. They are run in the order of :func:`all_cases`, each
+            once.
+        solver: that is measured; that of a :class:`stiction.World` nobody sets up if left out.
         dt: time step, s, at most 0.05.
         progress: is called with the name of each case before it is run.
 
     Raises:
-        InvalidInputError: a name is not that of a case (the nearest one is named), the solver is none, or dt is not
-            above 0 and at most 0.05 s.
+        InvalidInputError: a name is not that of a case (the nearest one is named) or that of a case which does not
+        speak
+            of the solver, the solver is none, or dt is not above 0 and at most 0.05 s.
         NotYetError: this version does not have the solver.
     """
-    cases = _chosen(names)
     if checks.positive("dt", dt, "s") > LARGEST_DT:
         raise InvalidInputError(f"dt must be {LARGEST_DT:g} s or less, got {dt!r}.")
-    World(solver=solver, dt=dt)  # raises where there is no such solver
+    solver = World(solver=solver, dt=dt).solver  # raises where there is no such solver
+    cases = _chosen(names, solver)
     results: list[Result] = []
     for case in cases:
         if progress is not None:
@@ -140,15 +149,19 @@ def summarise(results: Iterable[Result]) -> Summary:
     return Summary(passed, failed, known_limits, surprises)
 
 
-def _chosen(names: Iterable[str] | None) -> list[Case]:
+def _chosen(names: Iterable[str] | None, solver: str) -> list[Case]:
     cases = {case.name: case for case in all_cases()}
     if names is None:
-        return list(cases.values())
+        return [case for case in cases.values() if solver in case.solvers]
     wanted = [names] if isinstance(names, str) else list(names)
     for name in wanted:
         if name not in cases:
             hint = checks.nearest(name, cases)
             raise InvalidInputError(f"case must be one of the {len(cases)} of all_cases(), got {name!r}{hint}.")
+        if solver not in cases[name].solvers:
+            raise InvalidInputError(
+                f"case {name!r} speaks of {' and '.join(cases[name].solvers)} only, got solver {solver!r}."
+            )
     return [case for name, case in cases.items() if name in wanted]
 
 

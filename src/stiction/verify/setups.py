@@ -30,6 +30,7 @@ def make_world(
     rolling: float = 0.0,
     torsional: float = 0.0,
     gravity: ArrayLike = GRAVITY,
+    sleeping: bool = True,
 ) -> st.World:
     """An empty world in which everything is of one material; ``dynamic`` is as ``static`` if left out."""
     table = st.MaterialTable()
@@ -38,7 +39,7 @@ def make_world(
         static=static, dynamic=static if dynamic is None else dynamic,
         restitution=restitution, rolling=rolling, torsional=torsional,
     )  # fmt: skip
-    return st.World(gravity=gravity, dt=dt, solver=solver, materials=table)
+    return st.World(gravity=gravity, dt=dt, solver=solver, materials=table, sleeping=sleeping)
 
 
 def solver_tolerance(solver: str) -> float:
@@ -49,30 +50,120 @@ def solver_tolerance(solver: str) -> float:
     return {"micro": TOLERANCE, "soft": ENOUGH}[solver]
 
 
-def slip_speed(solver: str) -> float:
-    """s: a contact that slips more slowly than this is taken to hold, m/s."""
+def slip_speed() -> float:
+    """s: ``micro`` takes a contact that slips more slowly than this for one that holds, m/s."""
     from stiction.core.solve.micro import SLIP_SPEED
 
-    return {"micro": SLIP_SPEED, "soft": SLIP_SPEED}[solver]
+    return SLIP_SPEED
 
 
-def speed_error(solver: str, seconds: float, dt: float) -> float:
-    """What the solver's tolerance adds up to in a speed: eps sqrt(t / dt), for errors have either sign, m/s."""
-    return solver_tolerance(solver) * math.sqrt(max(seconds / dt, 1.0))
+def substep(solver: str, dt: float) -> float:
+    """h: the time after which a solver decides anew, s."""
+    from stiction.world import SUBSTEPS
+
+    return {"micro": dt, "soft": dt / SUBSTEPS}[solver]
 
 
-def distance_error(solver: str, seconds: float, dt: float) -> float:
-    """The distance that such an error of speed makes in ``seconds``, at most: t eps sqrt(t / dt), m."""
-    return speed_error(solver, seconds, dt) * seconds
+def rounding(solver: str, speed: float, seconds: float, dt: float) -> float:
+    """u v t / h: what single precision adds up to in a speed of at most ``speed``, m/s; u = 2^-24.
+
+    ``soft`` has velocities in single precision. In each substep a velocity gains an increment, and what is stored is
+    the sum, rounded by u v at most. This is no random walk: the next substep starts from v' + (v' - v), so a rounded
+    increment is repeated, and velocity and increment of a steady motion stay on the same grid for many steps.
+    """
+    return {"micro": 0.0, "soft": 2.0**-24 * speed * max(seconds, dt) / substep(solver, dt)}[solver]
 
 
-def stop_error(static: float, dynamic: float, dt: float) -> float:
+def speed_error(solver: str, seconds: float, dt: float, speed: float = 0.0) -> float:
+    """What a speed of at most ``speed`` may be off after ``seconds``, m/s: eps sqrt(t / dt), and what rounding makes.
+
+    Errors that are left when the solver stops at its tolerance have either sign.
+    """
+    return solver_tolerance(solver) * math.sqrt(max(seconds / dt, 1.0)) + rounding(solver, speed, seconds, dt)
+
+
+def distance_error(solver: str, seconds: float, dt: float, speed: float = 0.0) -> float:
+    """The distance that such an error of speed makes in ``seconds``, at most, m."""
+    return speed_error(solver, seconds, dt, speed) * seconds
+
+
+def stop_error(solver: str, static: float, dynamic: float, dt: float) -> float:
     """How far off a block may stop because it stops at the end of a step, m.
 
     In that step it goes v dt / 2 from the speed v instead of v^2 / (2 mu_d g). Friction of mu_s N can hold it from
-    v = mu_s g dt on, so this is short by mu_s (mu_s - mu_d) g dt^2 / (2 mu_d) at most, or long by mu_d g dt^2 / 8.
+    v = mu_s g dt on, so this is short by mu_s (mu_s - mu_d) g dt^2 / (2 mu_d) at most, or long by mu_d g dt^2 / 8. In
+    ``soft`` the step is a substep, and what slides has to come to rest under mu_d N before mu_s counts.
     """
-    return G * dt * dt * max(dynamic / 8.0, static * (static - dynamic) / (2.0 * dynamic))
+    h = substep(solver, dt)
+    held_early = {"micro": static * (static - dynamic) / (2.0 * dynamic), "soft": 0.0}[solver]
+    return G * h * h * max(dynamic / 8.0, held_early)
+
+
+def delay(solver: str, dt: float) -> float:
+    """How late a body that holds may let go where its force exceeds the limit by less than an eighth, s.
+
+    ``soft`` looks once a substep, and wants to see it in PATIENCE of them running.
+    """
+    from stiction.core.solve.soft import PATIENCE
+
+    return {"micro": 0.0, "soft": (1.0 + PATIENCE) * substep(solver, dt)}[solver]
+
+
+def begin_error(solver: str, acceleration: float, dt: float) -> float:
+    """How far off a body may be because it began to slide within a step, m.
+
+    ``soft`` lets bodies glide with the mean of old and new velocity if they slide when a step begins. Others move with
+    the new one in each substep, which is a h^2 / 2 too far in each of those of that step: a h dt / 2.
+    """
+    return {"micro": 0.0, "soft": 0.5 * acceleration * substep(solver, dt) * dt}[solver]
+
+
+def sink(solver: str, dt: float, compliance: float = 1.0) -> float:
+    """How deep a contact point on something fixed may be, m; ``micro`` leaves 1e-6 m.
+
+    A contact of ``soft`` is a spring of m_point omega^2, omega h = 1.3, where 1 / m_point is the response of the point
+    to an impulse at it. ``compliance`` is (load / m g) (m / m_point): 1 for a ball, at most 7/4 for a corner of a box
+    that stands on a face and 7/2 for one of a box that stands on an edge, as no 1 / m_point of a box is above 7 / m.
+    """
+    from stiction.core.solve.soft import STIFFNESS
+
+    h = substep(solver, dt)
+    return 1e-6 + {"micro": 0.0, "soft": compliance * G * (h / (2.0 * STIFFNESS)) ** 2}[solver]
+
+
+def lean(solver: str, dt: float, height: float, width: float) -> float:
+    """How far the centre of a box leans over because friction at its foot, or a push, loads one of its edges more, m.
+
+    At most, that edge carries all: the box leans by ``sink`` / width, and its centre by half the height times that.
+    What leans while it slides straightens up when it has stopped.
+    """
+    return {"micro": 0.0, "soft": 0.5 * height / width * sink(solver, dt, 3.5)}[solver]
+
+
+def box_compliance(size: Sequence[float]) -> float:
+    """The ``compliance`` of ``sink`` for a solid box on its lower face: its corners carry a quarter each."""
+    x, y, z = size
+    return 0.25 * (1.0 + 3.0 * x * x / (x * x + z * z) + 3.0 * y * y / (y * y + z * z))
+
+
+def arm_error(solver: str, dt: float, radius: float) -> float:
+    """By which share I / (m r^2) of a ball on the floor may be off, and so at most what follows from it.
+
+    Contact is made in the middle of the penetration s, and so r is short by s / 2.
+    """
+    return {"micro": 0.0, "soft": sink(solver, dt) / radius}[solver]
+
+
+def soft_bounce(solver: str) -> float:
+    """Restitution that is left where there should be none.
+
+    In ``soft`` the compliance gamma lets a share gamma / (1 + gamma) of the closing speed v through for a substep, and
+    what it sinks in by then is pushed out at the rate beta: beta h v gamma / (1 + gamma).
+    """
+    from stiction.core.solve.soft import DAMPING, STIFFNESS
+
+    gamma, beta_h = 1.0 / (STIFFNESS * (2.0 * DAMPING + STIFFNESS)), STIFFNESS / (2.0 * DAMPING + STIFFNESS)
+    return {"micro": 0.0, "soft": beta_h * gamma / (1.0 + gamma)}[solver]
 
 
 def about(axis: ArrayLike, angle: float) -> Quaternion:

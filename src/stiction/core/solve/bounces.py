@@ -41,9 +41,14 @@ def collect_impacts(bodies, active, count, manifolds, meta, pose, contacts, tags
         v = cross(n, u)
         shift = dot(n, vec3(manifolds, row, s.SHIFT) * 1.0)
         center = xa + vec3(manifolds, row, s.ARM_A) * 1.0 + n * (0.5 * shift)
-        for j in range(int(meta[row, s.POINTS])):
+        points = int(meta[row, s.POINTS])
+        mean = 0.0
+        for j in range(points):
+            mean += manifolds[row, s.GAP + j] / points
+        for j in range(points):
             p = center + u * manifolds[row, s.PLACE_U + j] + v * manifolds[row, s.PLACE_V + j]
             gap = manifolds[row, s.GAP + j] + shift
+            p = p + n * (0.5 * (manifolds[row, s.GAP + j] - mean))
             va = vec3(bodies, a, V) + cross(vec3(bodies, a, W), p - xa)
             vb = vec3(bodies, b, V) + cross(vec3(bodies, b, W), p - xb)
             closing = dot(n, va - vb)

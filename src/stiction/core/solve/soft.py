@@ -273,10 +273,12 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
         # its load is that of a rigid contact, which would have stopped the closing that the soft one lets grow
         turning = Tm * answer.z + px * answer.y - py * answer.x
         stuck_left = v.x - (Kvv.xy * answer.x + Kvv.xz * answer.y + k1.x * turning)
-        left = select(sliding, v.x, stuck_left) + py * w.y - px * w.z
+        now = select(sliding, v.x, stuck_left) + py * w.y - px * w.z
+        left = select(going, now, left) if sweep > 0 else now
         N = lam.a + lam.b + lam.c + lam.d
         N = select(near, greatest(N + (left - left0) * rigid, 0.0), N)
-        excess = level(stick * unit_of(select(sliding, mu_d, mu_s) * N, stick), surface)
+        over = level(stick * unit_of(select(sliding, mu_d, mu_s) * N, stick), surface)
+        excess = select(going, over, excess) if sweep > 0 else over
         inside = excess <= select(sliding, zero + 1.0, zero + (BEYOND_DOUBT if cold else OVERLOAD))
         if not all_of(inside):
             # in a cold pass nothing lets go; it may only not pull harder than it ever could
