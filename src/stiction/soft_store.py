@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import time
 from typing import Any
 
@@ -15,6 +16,7 @@ from stiction.core.colouring import COLOURS
 from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, grow_pair_cache, make_pair_cache
 from stiction.core.soft_report import report_contacts
 from stiction.core.tree import NONE, RIGHT, grow_tree, make_tree
+from stiction.crew import Arrays, Crew
 from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilation, close_gaps
 
 PRECISIONS = {"single": np.float32, "double": np.float64}
@@ -28,8 +30,9 @@ whose radius is 1/130 of its half length."""
 class SoftStore(Store):
     """Rows of bodies, the tree, the pairs and the manifolds."""
 
-    def __init__(self, precision: str) -> None:
+    def __init__(self, precision: str, threads: int = 1) -> None:
         super().__init__()
+        self.crew = Crew(threads)
         room, pairs = len(self.bodies), 64
         self.dtype = PRECISIONS[precision]
         self.tree = make_tree(room)
@@ -74,10 +77,15 @@ class SoftStore(Store):
                 bounces = (self.contacts, self.tags, self._impact_lists(), self.report)
             rolls = 1 if table[:, :, state.ROLLING].any() else None
             announce_compilation()
-            reason, done, number = soft_step.soft_step(
+            step = functools.partial(
+                soft_step.soft_step,
                 chunk, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
                 settings, self.ledger, self.cycles, boxes_meet, hulls, bounces, rolls,
             )  # fmt: skip
+            shared = Arrays(
+                self.bodies, self.kinds, self.cache.pairs, self.soft, self.scratch, table, boxes_meet, hulls, rolls
+            )
+            reason, done, number = self.crew.lead(step, shared)
             self.steps += done
             left -= done
             if reason == soft_step.MORE_PAIRS:

@@ -31,6 +31,7 @@ SUBSTEPS = 8
 """Of the soft solver."""
 MOST_STEPS = 10**12
 """Steps of one run at most; more would take years."""
+MOST_THREADS = 256
 MOBILITIES = ("static", "kinematic", "dynamic")
 
 
@@ -51,6 +52,8 @@ class World(Queries):
         micro_literal: use the slides' friction word for word instead of Coulomb's law, to see the difference.
         restitution_threshold: closing speeds below it are resting contact and do not bounce, m/s.
         sleeping: whether ``soft`` leaves islands of bodies alone while they are truly at rest.
+        threads: how many threads ``soft`` works with; every number of them gives the same bits. More than one pays for
+            worlds of several hundred contacts and more, where as many processors have nothing else to do.
 
     Raises:
         InvalidInputError: a value is not allowed.
@@ -70,6 +73,7 @@ class World(Queries):
         micro_literal: bool = False,
         restitution_threshold: float = 0.25,
         sleeping: bool = True,
+        threads: int = 1,
     ) -> None:
         self._gravity = checks.vector("gravity", gravity)
         self._dt = checks.positive("dt", dt, "s")
@@ -95,6 +99,11 @@ class World(Queries):
         if not isinstance(sleeping, bool):
             raise InvalidInputError(f"sleeping must be True or False, got {sleeping!r}.")
         self._sleeping = sleeping
+        threads = checks.integer("threads", threads, minimum=1)
+        if threads > MOST_THREADS:
+            raise InvalidInputError(f"threads must be {MOST_THREADS} or less, got {threads!r}.")
+        if not soft and threads != 1:
+            raise NotYetError(f"threads must be 1 with solver {self._solver!r}, got {threads!r}.")
         self._iterations = checks.integer("iterations", iterations, minimum=1)
         self._threshold = checks.non_negative("restitution_threshold", restitution_threshold, "m/s")
         self._micro_literal = micro_literal
@@ -108,7 +117,7 @@ class World(Queries):
         if soft:
             from stiction.soft_store import SoftStore
 
-            self._store = SoftStore(precision)
+            self._store = SoftStore(precision, threads)
         self._bodies: list[Body] = []
         self._by_name: dict[str, Body] = {}
         self._added = 0

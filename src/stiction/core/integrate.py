@@ -234,11 +234,17 @@ def keep_state(bodies, n, ledger, last_ledger, report, last_report):
     for k in range(LEDGER_WIDTH):
         last_ledger[k] = ledger[k]
     for i in range(n):
-        for k in range(7):
-            bodies[i, LAST + k] = bodies[i, POSITION + k]
-        for k in range(6):
-            bodies[i, LAST + 7 + k] = bodies[i, V + k]
+        keep_body(bodies, i)
         bodies[i, LAST + 13] = bodies[i, FRICTION_WORK]
+
+
+@jit
+def keep_body(bodies, i):
+    """Remember position, orientation and velocities of one body."""
+    for k in range(7):
+        bodies[i, LAST + k] = bodies[i, POSITION + k]
+    for k in range(6):
+        bodies[i, LAST + 7 + k] = bodies[i, V + k]
 
 
 @jit

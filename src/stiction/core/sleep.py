@@ -8,9 +8,10 @@ that slides at 1 mm/s, or a ball that rolls that slowly, never sleeps.
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.integrate import keep_body
 from stiction.core.islands import find_group, join
 from stiction.core.jit import jit
-from stiction.core.state import ASLEEP, DYNAMIC, ISLAND, KINEMATIC, LAST, MOBILITY, POSITION, REST, V, W
+from stiction.core.state import ASLEEP, DYNAMIC, ISLAND, KINEMATIC, MOBILITY, REST, V, W
 from stiction.core.vec import Vec3, dot, put_vec3, vec3
 
 REST_SPEED = 2e-5
@@ -76,10 +77,7 @@ def _fall_asleep(bodies, kinds, i, island):
     zero = Vec3(0.0, 0.0, 0.0)
     put_vec3(bodies, i, V, zero)
     put_vec3(bodies, i, W, zero)
-    for k in range(7):
-        bodies[i, LAST + k] = bodies[i, POSITION + k]
-    for k in range(7, 13):
-        bodies[i, LAST + k] = 0.0
+    keep_body(bodies, i)
 
 
 @jit

@@ -107,12 +107,12 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
 
 
 @jit
-def move_rows(moving, count, glide, normals, rows, aux, h, last):
-    """Displace the bodies by a substep, and start the next one unless this was the last.
+def move_rows(moving, first, end, glide, normals, rows, aux, h, last):
+    """Displace the bodies moving[first:end] by a substep, and start the next one unless this was the last.
 
     The next one starts from v' + (v' - v): gravity, forces and impulses of this substep act again (see ``solve.soft``).
     """
-    for k in range(count):
+    for k in range(first, end):
         i = moving[k]
         r = i + 1
         new, old = load_part(rows, r, s.ROW_V), load_part(aux, r, s.AUX_OLD_V)

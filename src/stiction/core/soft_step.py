@@ -7,23 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core import soft_rows as s
-from stiction.core.clock import lap, start_clock
-from stiction.core.collide.narrow import pair_contacts
+from stiction.core.clock import STAGES, lap, start_clock
 from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
-from stiction.core.integrate import first_not_finite, is_number, restore_body
+from stiction.core.find import list_manifolds, update_manifolds
+from stiction.core.integrate import first_not_finite, is_number, keep_body, restore_body
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import (
-    SETTLING,
-    clear_manifold,
-    drive_work,
-    is_kept,
-    look_of,
-    margin_of,
-    refresh_manifold,
-    settle_lift,
-    take_points,
-)
+from stiction.core.manifolds import SETTLING, clear_manifold, drive_work
 from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, is_sensed, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
@@ -35,22 +25,11 @@ from stiction.core.soft_bodies import (
     finish_contact,
     finish_free,
     free_is_finite,
-    move_rows,
     row_is_finite,
 )
-from stiction.core.solve.blocks import prepare_block
 from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
-from stiction.core.solve.soft import (
-    COLD_PASSES,
-    NEAR,
-    UNEVEN,
-    has_fresh,
-    lift_block,
-    softness,
-    solve_block,
-    store_blocks,
-    warm_block,
-)
+from stiction.core.solve.passes import run_passes
+from stiction.core.solve.soft import NEAR, UNEVEN, store_blocks
 from stiction.core.state import (
     ASLEEP,
     CONTACT_WIDTH,
@@ -68,13 +47,13 @@ from stiction.core.state import (
     POSITION,
     ROLLING_LOSS,
     SCRATCH,
-    SEPARATION,
     STATIC,
     TAGS_WIDTH,
     TORQUE,
     WORK,
     V,
 )
+from stiction.core.team import COUNT, FIND, HOME, JOB, MOVING_BODIES, SOLVE, SUBSTEPS, call, meet
 from stiction.core.vec import Vec3, length, mat33, vec3
 
 DONE, MORE_PAIRS, MORE_BLOCKS, BLOWN_UP, MORE_CONTACTS = range(5)
@@ -84,7 +63,7 @@ AWAKE, TOUCHING, MOVING, MARK, USED, GLIDE, EDITED, GROUP, RESTLESS, BODY_LISTS 
 """Rows of the lists of bodies: those awake; those in contact; those of them that move; marks; scratch; how they move;
 those that were changed from outside; two more of scratch."""
 
-UNDECIDED, WOKE_SOME = -1, -1
+UNDECIDED = -1
 
 SLOW = 0.375
 """A new contact that slips by less than this part of what gravity gives in a step begins stuck."""
@@ -93,6 +72,10 @@ N_AWAKE, N_ACTIVE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, COUNTS = range
 """Entries of the counts: bodies awake, active manifolds, bodies changed from outside, bodies seen before; whether the list
 of those awake is out of date; steps so far; whether bodies that sleep may have been changed without a word; whether a light body carries a
 heavy one."""
+
+
+PAIR_CONTACTS = 8
+"""Room for the contact points of one pair."""
 
 
 class Scratch(NamedTuple):
@@ -114,8 +97,8 @@ def make_scratch(n: int, p: int, colours: int) -> Scratch:
         active=np.zeros((p, 4), np.int64),
         normals=np.zeros((n, 3)),
         counts=np.zeros(COUNTS + 2 * (colours + 1), np.int64),
-        contacts=np.zeros((8, CONTACT_WIDTH)),
-        tags=np.zeros((8, TAGS_WIDTH), np.int64),
+        contacts=np.zeros((PAIR_CONTACTS, CONTACT_WIDTH)),
+        tags=np.zeros((PAIR_CONTACTS, TAGS_WIDTH), np.int64),
         points=np.zeros((SCRATCH, 5)),
     )
     scratch.counts[STALE] = 1
@@ -124,12 +107,14 @@ def make_scratch(n: int, p: int, colours: int) -> Scratch:
 
 @entry
 def soft_step(
-    steps, bodies, kinds, n, tree, cache, soft, scratch, table, settings, ledger, profile, boxes_meet, hulls, bounces, rolls
+    steps, bodies, kinds, n, tree, cache, soft, scratch, table, settings, ledger, profile, boxes_meet, hulls, bounces,
+    rolls, team,
 ):  # fmt: skip
     """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason).
 
     When there is no room for a step's pairs or blocks it returns before that step has changed a body's state, with the
     room that is needed; when a body would no longer be finite, with that body, and all bodies as they were before.
+    ``team``: None, or the :class:`stiction.core.team.Team` whose other workers are in :func:`assist`.
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
     g, dt = length(gravity), settings.dt
@@ -147,8 +132,8 @@ def soft_step(
         start_clock(profile)
         substeps = 2 * settings.substeps if scratch.counts[HARD] else settings.substeps
         h = dt / substeps
-        active = WOKE_SOME
-        while active == WOKE_SOME:
+        active, woke = 0, True
+        while woke:
             awake = list_awake(kinds, n, lists, scratch.counts)
             begin_bodies(bodies, kinds, lists[AWAKE], awake, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
             lap(profile, 0)
@@ -159,10 +144,14 @@ def soft_step(
             for k in range(cache.counts[BEGUN]):
                 clear_manifold(soft.manifolds, soft.meta, soft.reports, cache.begun[k, SLOT] + 1)
             lap(profile, 1)
-            slow = SLOW * g * dt
-            active = find_manifolds(
-                bodies, kinds, n, cache.pairs, pairs, soft, scratch, table, slow, dt / SETTLING, boxes_meet, hulls
-            )
+            call(team, FIND, pairs, 0, 0, SLOW * g * dt, dt / SETTLING)
+            update_manifolds(
+                bodies, kinds, cache.pairs, pairs, soft, scratch.active, scratch.contacts, scratch.tags, scratch.points,
+                table, SLOW * g * dt, dt / SETTLING, boxes_meet, hulls, team,
+            )  # fmt: skip
+            meet(team)
+            active, woke = list_manifolds(bodies, kinds, n, cache.pairs, pairs, scratch.active)
+            scratch.counts[STALE] |= woke
             lap(profile, 2)
         scratch.counts[N_ACTIVE] = active
         impacts = 0
@@ -190,7 +179,12 @@ def soft_step(
 
         moving = list_moving(bodies, kinds, lists, scratch.normals, touching, gravity)
         lap(profile, 3)
-        solve(soft, scratch, blocks, moving, h, substeps, profile, rolls)
+        fresh = any_fresh(soft.manifolds, scratch.active, active)
+        call(team, SOLVE, blocks, moving, substeps, h, fresh)
+        run_passes(
+            soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], blocks, moving, h, substeps,
+            fresh, profile, rolls, team, 0,
+        )  # fmt: skip
 
         bad = first_bad_row(bodies, kinds, lists, awake, soft.rows, gravity, dt)
         if bad >= 0:
@@ -222,6 +216,36 @@ def soft_step(
     close_soft_ledger(bodies, n, gravity, ledger)
     keep_states(bodies, lists[AWAKE], scratch.counts[N_AWAKE])
     return DONE, steps, 0
+
+
+@entry
+def assist(bodies, kinds, pairs, soft, scratch, contacts, tags, points, table, boxes_meet, hulls, rolls, team, worker):
+    """Do a worker's share of all jobs of the leader, who is in :func:`soft_step`, until the team goes home.
+
+    ``contacts``, ``tags`` and ``points`` are the worker's own scratch.
+    """
+    lists, words, numbers, nothing = scratch.bodies, team.words, team.numbers, np.zeros(len(STAGES) + 1, np.int64)
+    while True:
+        meet(team)
+        if words[JOB] == HOME:
+            return
+        if words[JOB] == FIND:
+            update_manifolds(
+                bodies, kinds, pairs, words[COUNT], soft, scratch.active, contacts, tags, points, table, numbers[0],
+                numbers[1], boxes_meet, hulls, team,
+            )  # fmt: skip
+            meet(team)
+        else:
+            run_passes(
+                soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], words[COUNT],
+                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], numbers[1] > 0.0, nothing, rolls, team, worker,
+            )  # fmt: skip
+
+
+@entry
+def dismiss(team):
+    """Send the workers of the team home."""
+    call(team, HOME, 0, 0, 0, 0.0, 0.0)
 
 
 @jit
@@ -271,10 +295,7 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
         i = lists[EDITED, k]
         pose[i + 1, s.POSE_MOTION] += 1.0  # its manifolds are looked for anew
         begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h)
-        for c in range(7):
-            bodies[i, LAST + c] = bodies[i, POSITION + c]
-        for c in range(6):
-            bodies[i, LAST + 7 + c] = bodies[i, V + c]
+        keep_body(bodies, i)
         touch_body(cache, i)
         counts[STALE] = 1
     counts[N_EDITED] = 0
@@ -315,52 +336,6 @@ def begin_bodies(bodies, kinds, awake, count, pose, rows, aux, gravity, g, dt, h
     """
     for k in range(count):
         begin_body(bodies, kinds, awake[k], pose, rows, aux, gravity, g, dt, h)
-
-
-@jit
-def is_awake(kinds, i):
-    """Whether contacts of body i have to be solved on its account."""
-    return kinds[i, MOBILITY] == DYNAMIC and not kinds[i, ASLEEP]
-
-
-@jit
-def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, relaxed, boxes_meet, hulls):
-    """Bring the manifolds of all pairs up to date, and list those with points; returns their number.
-
-    Where a body that is awake touches one that sleeps, the latter's island wakes, and WOKE_SOME is returned: then the
-    step has to begin anew.
-    """
-    count, woke = 0, False
-    contacts, tags, points, active = scratch.contacts, scratch.tags, scratch.points, scratch.active
-    manifolds, meta, reports, pose = soft.manifolds, soft.meta, soft.reports, soft.pose
-    for k in range(npairs):
-        a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
-        if not (is_awake(kinds, a) or is_awake(kinds, b)) or is_sensed(kinds, a, b):
-            continue
-        if not is_kept(kinds, a, b, pose, meta, row):
-            needed = margin_of(pose, kinds, a, b)
-            margin = needed + look_of(pose, kinds, a, b)
-            found = pair_contacts(bodies, kinds, a, b, margin, contacts, tags, 0, points, boxes_meet, hulls)
-            nearest = margin
-            for c in range(found):
-                nearest = min(nearest, contacts[c, SEPARATION])
-            if nearest > needed:
-                found, margin = 0, nearest
-            take_points(
-                bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow
-            )
-        if meta[row, s.POINTS] > 0.0:
-            if kinds[a, ASLEEP] or kinds[b, ASLEEP]:
-                wake_island(bodies, kinds, n, a if kinds[a, ASLEEP] else b)
-                woke = True
-            settle_lift(manifolds, reports, row, relaxed)
-            refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row)
-            active[count, 0], active[count, 1], active[count, 2] = a, b, row - 1
-            count += 1
-    if woke:
-        scratch.counts[STALE] = 1
-        return WOKE_SOME
-    return count
 
 
 @jit
@@ -437,29 +412,12 @@ def list_moving(bodies, kinds, lists, normals, touching, gravity):
 
 
 @jit
-def solve(soft, scratch, count, moving, h, substeps, profile, rolls):
-    """Prepare, warm start, cold passes for what is new, and all substeps."""
-    blocks, index, manifolds, rows, aux = soft.blocks, soft.index, soft.manifolds, soft.rows, soft.aux
-    movers, glide, normals = scratch.bodies[MOVING], scratch.bodies[GLIDE], scratch.normals
-    beta, compliance, beta_stiff, compliance_stiff = softness(h)
-    for i in range(count):
-        prepare_block(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff)
-    for i in range(count):
-        warm_block(i, blocks, index, count, rows)
-    for _ in range(COLD_PASSES):
-        for i in range(count):
-            if has_fresh(blocks, i):
-                solve_block(i, blocks, index, count, rows, h, True, rolls)
-    for i in range(count):
-        if has_fresh(blocks, i):
-            lift_block(i, blocks)
-    lap(profile, 4)
-    for substep in range(substeps):
-        for i in range(count):
-            solve_block(i, blocks, index, count, rows, h, False, rolls)
-        lap(profile, 5)
-        move_rows(movers, moving, glide, normals, rows, aux, h, substep == substeps - 1)
-        lap(profile, 6)
+def any_fresh(manifolds, active, count):
+    """Whether one of the active manifolds is new in this step."""
+    for k in range(count):
+        if manifolds[active[k, 2] + 1, s.FRESH] > s.OLD:
+            return True
+    return False
 
 
 @jit
@@ -488,11 +446,7 @@ def drop_forces(bodies, awake, count):
 def keep_states(bodies, awake, count):
     """Remember the state of the bodies that are awake, to which a body goes back that is broken from outside."""
     for k in range(count):
-        i = awake[k]
-        for c in range(7):
-            bodies[i, LAST + c] = bodies[i, POSITION + c]
-        for c in range(6):
-            bodies[i, LAST + 7 + c] = bodies[i, V + c]
+        keep_body(bodies, awake[k])
 
 
 @jit

@@ -1,0 +1,85 @@
+"""Which manifolds have points: the narrow phase over all pairs whose bodies take part, by one worker or by several."""
+
+from __future__ import annotations
+
+from stiction.core import soft_rows as s
+from stiction.core.collide.narrow import pair_contacts
+from stiction.core.jit import jit
+from stiction.core.manifolds import (
+    is_kept,
+    look_of,
+    margin_of,
+    refresh_manifold,
+    settle_lift,
+    take_points,
+)
+from stiction.core.pairs import PAIR_A, PAIR_B, SLOT, is_sensed
+from stiction.core.sleep import wake_island
+from stiction.core.state import ASLEEP, DYNAMIC, MOBILITY, SEPARATION
+from stiction.core.team import take_piece
+
+HAS_POINTS = 3
+"""Column of the active manifolds in which those of all pairs say whether they have any; later it is their colour."""
+
+
+@jit
+def is_awake(kinds, i):
+    """Whether contacts of body i have to be solved on its account."""
+    return kinds[i, MOBILITY] == DYNAMIC and not kinds[i, ASLEEP]
+
+
+@jit
+def update_manifolds(
+    bodies, kinds, pairs, npairs, soft, active, contacts, tags, points, table, slow, relaxed, boxes_meet, hulls, team
+):  # fmt: skip
+    """Bring the manifolds of all pairs up to date that have a body that is awake, and mark those with points.
+
+    A manifold depends on its two bodies and on itself, so it does not matter which worker takes it. ``contacts``,
+    ``tags`` and ``points`` are the worker's own scratch. Arrays are taken out of their tuples before the loop: inside,
+    each would cost two atomic operations on its reference count.
+    """
+    manifolds, meta, reports, pose = soft.manifolds, soft.meta, soft.reports, soft.pose
+    piece = 0
+    first, last = take_piece(team, piece, npairs)
+    while first < last:
+        for k in range(first, last):
+            a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
+            active[k, HAS_POINTS] = 0
+            if not (is_awake(kinds, a) or is_awake(kinds, b)) or is_sensed(kinds, a, b):
+                continue
+            if not is_kept(kinds, a, b, pose, meta, row):
+                needed = margin_of(pose, kinds, a, b)
+                margin = needed + look_of(pose, kinds, a, b)
+                found = pair_contacts(bodies, kinds, a, b, margin, contacts, tags, 0, points, boxes_meet, hulls)
+                nearest = margin
+                for c in range(found):
+                    nearest = min(nearest, contacts[c, SEPARATION])
+                if nearest > needed:
+                    found, margin = 0, nearest
+                take_points(
+                    bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow
+                )
+            if meta[row, s.POINTS] > 0.0:
+                settle_lift(manifolds, reports, row, relaxed)
+                refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row)
+                active[k, HAS_POINTS] = 1
+        piece += 1
+        first, last = take_piece(team, piece, npairs)
+
+
+@jit
+def list_manifolds(bodies, kinds, n, pairs, npairs, active):
+    """List the manifolds with points in the first rows; returns their number, and whether a body woke.
+
+    Where a body that is awake touches one that sleeps, the latter's island wakes.
+    """
+    count, woke = 0, False
+    for k in range(npairs):
+        if active[k, HAS_POINTS]:
+            a, b = pairs[k, PAIR_A], pairs[k, PAIR_B]
+            if kinds[a, ASLEEP] or kinds[b, ASLEEP]:
+                wake_island(bodies, kinds, n, a if kinds[a, ASLEEP] else b)
+                woke = True
+            active[count, 0], active[count, 1], active[count, 2] = a, b, pairs[k, SLOT]
+            count += 1
+    return count, woke

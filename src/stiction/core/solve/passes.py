@@ -1,0 +1,87 @@
+"""All passes of a step over its manifolds, by one worker or by several."""
+
+from __future__ import annotations
+
+from stiction.core.clock import lap
+from stiction.core.colouring import COLOURS
+from stiction.core.jit import jit
+from stiction.core.lanes import LANES
+from stiction.core.soft_bodies import move_rows
+from stiction.core.solve.blocks import prepare_block
+from stiction.core.solve.soft import COLD_PASSES, has_fresh, lift_block, softness, solve_block, warm_block
+from stiction.core.team import meet, share
+
+
+@jit
+def run_passes(
+    soft, movers, glide, normals, sizes, count, moving, h, substeps, fresh, profile, rolls, team, worker
+):  # fmt: skip
+    """Prepare, warm start, cold passes for what is new, and all substeps.
+
+    ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, and ``moving`` bodies;
+    ``fresh``: whether any manifold is new. Every worker does a share of each colour, and they meet before the next one.
+    """
+    blocks, index, manifolds, rows, aux = soft.blocks, soft.index, soft.manifolds, soft.rows, soft.aux
+    beta, compliance, beta_stiff, compliance_stiff = softness(h)
+    rounds = count_rounds(sizes, team)
+    first, last = share(team, worker, 0, count)
+    for i in range(first, last):
+        prepare_block(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff)
+    meet(team)
+    for r in range(rounds):
+        first, last = blocks_of(sizes, r, count, team, worker)
+        for i in range(first, last):
+            warm_block(i, blocks, index, count, rows)
+        meet(team)
+    if fresh:
+        for _ in range(COLD_PASSES):
+            for r in range(rounds):
+                first, last = blocks_of(sizes, r, count, team, worker)
+                for i in range(first, last):
+                    if has_fresh(blocks, i):
+                        solve_block(i, blocks, index, count, rows, h, True, rolls)
+                meet(team)
+        first, last = share(team, worker, 0, count)
+        for i in range(first, last):
+            if has_fresh(blocks, i):
+                lift_block(i, blocks)
+        meet(team)
+    if worker == 0:
+        lap(profile, 4)
+    first_body, last_body = share(team, worker, 0, moving)
+    for substep in range(substeps):
+        for r in range(rounds):
+            first, last = blocks_of(sizes, r, count, team, worker)
+            for i in range(first, last):
+                solve_block(i, blocks, index, count, rows, h, False, rolls)
+            meet(team)
+        if worker == 0:
+            lap(profile, 5)
+        move_rows(movers, first_body, last_body, glide, normals, rows, aux, h, substep == substeps - 1)
+        meet(team)
+        if worker == 0:
+            lap(profile, 6)
+
+
+@jit
+def count_rounds(sizes, team):
+    """Colours in use, and one for the manifolds that have none; a leader that is alone takes all blocks in one round."""
+    if team is None:
+        return 1
+    colours = 0
+    while colours < COLOURS and sizes[colours] > 0:
+        colours += 1
+    return colours + 1
+
+
+@jit
+def blocks_of(sizes, r, count, team, worker):
+    """The worker's blocks in round r. What has no colour comes last, and is for the leader, one after the other."""
+    if team is None:
+        return 0, count
+    first = 0
+    for c in range(r):
+        first += (sizes[c] + LANES - 1) // LANES
+    if r == COLOURS or sizes[r] == 0:
+        return (first, count) if worker == 0 else (first, first)
+    return share(team, worker, first, (sizes[r] + LANES - 1) // LANES)
