@@ -11,7 +11,7 @@ from stiction import InvalidInputError, SimulationError
 from stiction.scene import Scene, Simulation, load
 
 BALL = {"name": "ball", "shape": {"type": "sphere", "radius": 0.5}, "mass": 2.0}
-PADDLE = {"name": "paddle", "shape": {"type": "box", "size": [1, 1, 1]}, "kinematic": True}
+PADDLE = {"name": "paddle", "shape": {"type": "box", "size": [1, 1, 1]}, "kinematic": True, "position": [9, 0, 0]}
 
 
 def simulation(dt: float = 0.01, duration: float = 1.0, **parts: Any) -> Simulation:

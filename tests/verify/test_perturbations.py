@@ -152,7 +152,7 @@ CHANGES: dict[str, tuple[Change, str]] = {
         "spinning-top tumbling-period precession torsional-resistance slide-to-roll-energy",
     ),
     "energy of an impact grows by 1e-6": (damping(1.0 + 1e-6, 1.0 + 1e-6), "impact-energy"),
-    "gravity 10 % more": (gravity(1.1), "sink-of-soft-contacts tower-of-ten heavy-on-top"),
+    "gravity 10 % more": (gravity(1.1), "sink-of-soft-contacts"),
     "everything keeps 2 mm/s": (drifting(2e-3), "tower-of-ten heavy-on-light crooked-tower pyramid heavy-on-top"),
     "forces 1 % more": (forces(1.01), "constant-force push-to-tip push-and-release pulled-block"),
 }

@@ -10,7 +10,6 @@ from stiction.core.manifolds import (
     look_of,
     margin_of,
     refresh_manifold,
-    settle_lift,
     take_points,
 )
 from stiction.core.pairs import PAIR_A, PAIR_B, SLOT, is_sensed
@@ -30,7 +29,7 @@ def is_awake(kinds, i):
 
 @jit
 def update_manifolds(
-    bodies, kinds, pairs, npairs, soft, active, contacts, tags, points, table, slow, relaxed, boxes_meet, hulls, team
+    bodies, kinds, pairs, npairs, soft, active, contacts, tags, points, table, slow, boxes_meet, hulls, team
 ):  # fmt: skip
     """Bring the manifolds of all pairs up to date that have a body that is awake, and mark those with points.
 
@@ -60,7 +59,6 @@ def update_manifolds(
                     bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow
                 )
             if meta[row, s.POINTS] > 0.0:
-                settle_lift(manifolds, reports, row, relaxed)
                 refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row)
                 active[k, HAS_POINTS] = 1
         piece += 1

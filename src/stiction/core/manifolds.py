@@ -54,10 +54,6 @@ STILL_PART = 1e-3
 SAME_PLACE = 0.1
 """Of the patch's size: a point without a partner of the same feature inherits from the nearest old one this close."""
 ISOTROPIC = 1e-3
-SETTLING = 1.0
-"""s, in which a new contact sinks to 1/e of what its load lets it sink."""
-LEAST_LIFT = 1e-9
-"""m"""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
 
@@ -219,18 +215,6 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin
         manifolds[row, s.LEFT] = 0.0
         manifolds[row, s.ROLL] = manifolds[row, s.ROLL + 1] = 0.0
         put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
-
-
-@jit
-def settle_lift(manifolds, reports, row, part):
-    """Let the points of a manifold sink by a part of what they are still held above their depth."""
-    if reports[row, s.LIFT] + reports[row, s.LIFT + 1] + reports[row, s.LIFT + 2] + reports[row, s.LIFT + 3] > 0.0:
-        for k in range(4):
-            step = (
-                reports[row, s.LIFT + k] * part if reports[row, s.LIFT + k] > LEAST_LIFT else reports[row, s.LIFT + k]
-            )
-            reports[row, s.LIFT + k] -= step
-            manifolds[row, s.GAP + k] += step
 
 
 @jit

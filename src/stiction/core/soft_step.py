@@ -13,7 +13,7 @@ from stiction.core.find import list_manifolds, update_manifolds
 from stiction.core.integrate import first_not_finite, is_number, keep_body, restore_body
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import SETTLING, clear_manifold, drive_work
+from stiction.core.manifolds import clear_manifold, drive_work
 from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, is_sensed, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
@@ -29,7 +29,7 @@ from stiction.core.soft_bodies import (
 )
 from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
 from stiction.core.solve.passes import run_passes
-from stiction.core.solve.soft import NEAR, UNEVEN, store_blocks
+from stiction.core.solve.soft import NEAR, SETTLING, UNEVEN, store_blocks
 from stiction.core.state import (
     ASLEEP,
     CONTACT_WIDTH,
@@ -112,8 +112,8 @@ def soft_step(
 ):  # fmt: skip
     """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason).
 
-    When there is no room for a step's pairs or blocks it returns before that step has changed a body's state, with the
-    room that is needed; when a body would no longer be finite, with that body, and all bodies as they were before.
+    When there is no room for a step's pairs, blocks or impacts it returns before that step has changed anything but the
+    manifolds, which are found anew or kept when it is taken again, with the room that is needed; when a body would no longer be finite, with that body, and all bodies as they were before.
     ``team``: None, or the :class:`stiction.core.team.Team` whose other workers are in :func:`assist`.
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
@@ -144,16 +144,20 @@ def soft_step(
             for k in range(cache.counts[BEGUN]):
                 clear_manifold(soft.manifolds, soft.meta, soft.reports, cache.begun[k, SLOT] + 1)
             lap(profile, 1)
-            call(team, FIND, pairs, 0, 0, SLOW * g * dt, dt / SETTLING)
+            call(team, FIND, pairs, 0, 0, SLOW * g * dt, 0.0)
             update_manifolds(
                 bodies, kinds, cache.pairs, pairs, soft, scratch.active, scratch.contacts, scratch.tags, scratch.points,
-                table, SLOW * g * dt, dt / SETTLING, boxes_meet, hulls, team,
+                table, SLOW * g * dt, boxes_meet, hulls, team,
             )  # fmt: skip
             meet(team)
             active, woke = list_manifolds(bodies, kinds, n, cache.pairs, pairs, scratch.active)
             scratch.counts[STALE] |= woke
             lap(profile, 2)
         scratch.counts[N_ACTIVE] = active
+        blocks = arrange_blocks(kinds, soft, scratch, active, n)
+        if blocks * s.FIELDS > soft.blocks.shape[0]:
+            close_soft_ledger(bodies, n, gravity, ledger)
+            return MORE_BLOCKS, done, blocks
         impacts = 0
         if bounces is not None:
             contacts, tags, impact_lists, report = bounces
@@ -168,10 +172,6 @@ def soft_step(
                     bodies, kinds, n, table, contacts, tags, impacts, impact_lists, settings, ledger, report, gravity
                 )
                 begin_bodies(bodies, kinds, lists[AWAKE], awake, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
-        blocks = arrange_blocks(kinds, soft, scratch, active, n)
-        if blocks * s.FIELDS > soft.blocks.shape[0]:
-            close_soft_ledger(bodies, n, gravity, ledger)
-            return MORE_BLOCKS, done, blocks
         touching = list_touching(
             kinds, soft.manifolds, soft.meta, soft.pose, scratch.active, active, lists, scratch.normals
         )
@@ -198,7 +198,7 @@ def soft_step(
             close_soft_ledger(bodies, n, gravity, ledger)
             keep_states(bodies, lists[AWAKE], awake)
             return BLOWN_UP, done, bad
-        store_blocks(bodies, soft.blocks, soft.index, blocks, soft.manifolds, soft.reports, h, ledger)
+        store_blocks(bodies, soft.blocks, soft.index, blocks, soft.manifolds, soft.reports, h, dt / SETTLING, ledger)
         ledger[WORK] += drive_work(
             bodies, kinds, scratch.active, active, soft.manifolds, soft.meta, soft.pose, soft.reports
         )
@@ -232,7 +232,7 @@ def assist(bodies, kinds, pairs, soft, scratch, contacts, tags, points, table, b
         if words[JOB] == FIND:
             update_manifolds(
                 bodies, kinds, pairs, words[COUNT], soft, scratch.active, contacts, tags, points, table, numbers[0],
-                numbers[1], boxes_meet, hulls, team,
+                boxes_meet, hulls, team,
             )  # fmt: skip
             meet(team)
         else:

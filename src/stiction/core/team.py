@@ -40,9 +40,7 @@ class Team(NamedTuple):
     """What the workers share."""
 
     words: np.ndarray  # (WORDS,) int64
-    numbers: (
-        np.ndarray
-    )  # (2,) the length of a substep, s; or the slow speed and the part of a lift of ``find_manifolds``
+    numbers: np.ndarray  # (2,) of a job: the length of a substep, s, and 1 if a manifold is new; or the slow speed, m/s
 
 
 def make_team(workers: int) -> Team:

@@ -51,7 +51,7 @@ class WorldTable(Table):
     """m/s^2"""
     dt: fields.Duration = 1.0 / 60.0
     """Time step, s."""
-    solver: Annotated[Literal["micro", "soft", "exact"], fields.word(*SOLVERS)] = "micro"
+    solver: Annotated[Literal["micro", "soft", "exact"], fields.word(*SOLVERS)] = "soft"
     """The solver."""
     iterations: Annotated[int, Field(ge=1), fields.whole(1)] = 100
     """How often a contact may be resolved in a stage of a step, on average."""

@@ -48,6 +48,12 @@ ENOUGH = 1e-6
 UNEVEN = 30.0
 """Ratio of masses of two bodies on top of each other from which on a world takes twice the substeps: what the light one
 carries sinks by load / (light mass omega^2), and omega h is bounded."""
+SETTLING = 1.0
+"""s, in which a point that is held above the depth of its load sinks to 1/e of that."""
+LEAST_LIFT = 1e-9
+"""m"""
+TOUCHES = 1e-6
+"""m, a new contact that is no deeper begins as a rigid one."""
 NEAR = 1e-4
 """m, a point closer than this carries the load that friction counts on."""
 
@@ -204,10 +210,12 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     lam, pull, roll_u, roll_v, left = lam0, pull0, roll_u0, roll_v0, left0
     gamma = get4(blocks, o + s.B_SOFT)
     zero = left0 - left0
-    # a gap is closed by a rigid contact, for what a soft one leaves would become a penetration
+    # a gap is closed by a rigid contact, for what a soft one leaves would become a penetration; and a new contact that
+    # touches gets the load that it will have in the end, to which it is lifted (lift_block)
+    rigid_from = -TOUCHES if cold else 0.0
     gamma = Four(
-        select(gap.a > 0.0, zero, gamma.a), select(gap.b > 0.0, zero, gamma.b), select(gap.c > 0.0, zero, gamma.c),
-        select(gap.d > 0.0, zero, gamma.d),
+        select(gap.a > rigid_from, zero, gamma.a), select(gap.b > rigid_from, zero, gamma.b),
+        select(gap.c > rigid_from, zero, gamma.c), select(gap.d > rigid_from, zero, gamma.d),
     )  # fmt: skip
     sliding = load(blocks, o + s.B_STATE) > 0.5
     going = load(blocks, o + s.B_FRESH) > 0.5
@@ -352,7 +360,8 @@ def lift_block(i, blocks):
     """Begin quiet new contacts of block i as deep as their loads will have them in the end, without moving the bodies.
 
     Else a body that is put down gently would sink and tilt by some micrometres within a few substeps, fast enough to
-    break loose on a slope that it should hold on. What is lent here is taken back slowly (``manifolds.settle_lift``).
+    break loose on a slope that it should hold on. What is lent here is taken back slowly, and only where the load falls
+    below that of the beginning (:func:`store_lane`).
     """
     o = i * s.FIELDS
     quiet = load(blocks, o + s.B_FRESH) > s.NEW
@@ -411,7 +420,7 @@ def has_fresh(blocks, i):
 
 
 @jit
-def store_blocks(bodies, blocks, index, count, manifolds, reports, h, ledger):
+def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledger):
     """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
     A lane that was padded names the manifold of nobody.
@@ -423,7 +432,7 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, ledger):
             if row > 0:
                 slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
                 scale = blocks[o + s.B_SCALE, lane] * 1.0
-                store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h)
+                store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part)
                 friction, rolling = blocks[o + s.B_WORK, lane] * scale, blocks[o + s.B_ROLLED, lane] * scale
                 ledger[FRICTION] += friction
                 ledger[ROLLING_LOSS] += rolling
@@ -438,7 +447,7 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, ledger):
 
 
 @jit
-def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate):
+def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part):
     """The same for one manifold; impulses of the block times ``scale`` are impulses, times ``rate`` forces."""
     u = Vec3(blocks[o + s.B_TANGENT, lane], blocks[o + s.B_TANGENT + 1, lane], blocks[o + s.B_TANGENT + 2, lane])
     n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
@@ -452,6 +461,14 @@ def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate):
         for k in range(4):
             reports[row, s.LIFT + k] = blocks[o + s.B_LIFT + k, lane]
             manifolds[row, s.GAP + k] -= blocks[o + s.B_LIFT + k, lane]
+    for k in range(4):
+        lift = reports[row, s.LIFT + k]
+        if lift > 0.0:
+            # how deep its load has a point; what it is lifted by beyond that is taken back slowly
+            depth = blocks[o + s.B_SOFT + k, lane] * blocks[o + s.B_LOAD + k, lane] / blocks[o + s.B_BETA, lane]
+            if lift > depth + LEAST_LIFT:
+                reports[row, s.LIFT + k] -= (lift - depth) * part
+                manifolds[row, s.GAP + k] += (lift - depth) * part
     fu, fv = blocks[o + s.B_PULL, lane] * rate, blocks[o + s.B_PULL + 1, lane] * rate
     put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
     manifolds[row, s.SPIN] = blocks[o + s.B_PULL + 2, lane] * (arm * rate) + px * fv - py * fu
