@@ -22,6 +22,7 @@ from stiction.record.hdf5 import RecordingWriter, load_frames, restore
 from stiction.record.recorder import Recorder
 from stiction.record.run import run
 from stiction.scene import Simulation, builtin_names, builtin_text, load
+from stiction.verify.setups import delay, rounding
 
 G = 9.81
 NAMES = ["ball", "billiards", "conveyor", "dominoes", "push-and-release", "pyramid", "ramp"]
@@ -172,9 +173,12 @@ def test_push_and_release_keeps_static_and_dynamic_friction_apart() -> None:
         pushed = frames.times <= end
         t = frames.times[pushed]
         x = frames.positions[:, of[name], 0]
-        np.testing.assert_allclose(x[pushed], v0 * t + 0.5 * acceleration * t**2, atol=1e-4)
-        np.testing.assert_allclose(x[-1], x1 + stopping, rtol=2e-4)
-        at_rest = frames.times > end + v1 / (0.4 * G) + 2 * frames.dt
+        # a crate that has to let go first does so a few substeps late
+        late = acceleration * delay("soft", frames.dt) if v0 == 0.0 else 0.0
+        behind = v0 * t + 0.5 * acceleration * t**2 - x[pushed]
+        assert behind.min() > -4e-4 and (behind < late * t + 4e-4).all()
+        assert abs(x[-1] - (x1 + stopping)) < 2e-4 * x[-1] + late * (end + v1 / (0.4 * G))
+        at_rest = frames.times > end + v1 / (0.4 * G) + 4 * frames.dt
         assert np.abs(frames.velocities[at_rest, of[name]]).max() < 1e-5
         assert set(frames.motion[at_rest, of[name]]) == {Motion.STICKING}
     assert frames.velocities[np.argmin(np.abs(frames.times - end)), of["moving, 440 N"], 0] > 2.0, "it has sped up"
@@ -189,8 +193,10 @@ def test_the_ball_rolls_on_with_five_sevenths_of_its_speed() -> None:
     assert set(motion[(frames.times > 0) & (frames.times < slide - dt)]) == {Motion.SLIDING}
     rolling = frames.times > slide + dt
     assert set(motion[rolling]) == {Motion.ROLLING}
-    np.testing.assert_allclose(speed[rolling], 2.5, rtol=1e-6)
-    np.testing.assert_allclose(frames.angular_velocities[rolling, ball, 1], 2.5 / 0.25, rtol=1e-6)
+    # what single precision makes of a speed of 3.5 m/s while it slides
+    rounded = rounding("soft", 3.5, slide, dt) / 2.5
+    np.testing.assert_allclose(speed[rolling], 2.5, rtol=rounded)
+    np.testing.assert_allclose(frames.angular_velocities[rolling, ball, 1], 2.5 / 0.25, rtol=rounded)
     where = slide * (3.5 + 2.5) / 2 + 2.5 * (frames.times[-1] - slide)
     np.testing.assert_allclose(traveled("ball", "ball")[-1], where, rtol=1e-4)
 
@@ -222,7 +228,9 @@ def test_the_break_scatters_the_rack_and_rolling_resistance_slows_the_balls() ->
         slowed.extend((speed[both] - speed[both + 1]) / frames.dt)
     assert len(slowed) > 10_000
     expected = 5 / 7 * 0.00028575 / radius * G
-    np.testing.assert_allclose(np.percentile(slowed, [1, 50, 99]), expected, rtol=1e-4)
+    # single precision rounds a speed of 1 m/s by 6e-8 m/s in each substep
+    np.testing.assert_allclose(np.percentile(slowed, [1, 99]), expected, rtol=5e-3)
+    np.testing.assert_allclose(np.median(slowed), expected, rtol=5e-4)
 
 
 def test_the_pyramid_stands() -> None:
@@ -231,7 +239,7 @@ def test_the_pyramid_stands() -> None:
     assert len(boxes) == 55
     moved = np.linalg.norm(frames.positions - frames.positions[0], axis=2)[:, boxes]
     turned = 2 * np.degrees(np.arccos(np.clip(np.abs(frames.orientations[:, boxes, 0]), 0, 1)))
-    assert moved.max() < 0.001
+    assert moved.max() < 0.003, "the boxes below give way a little under those above"
     assert turned.max() < 0.1
     # each box still stands on two others or on the floor
     last = frames.contacts_of(len(frames) - 1)
@@ -250,7 +258,8 @@ def test_the_dominoes_fall_one_after_the_other() -> None:
     gaps = np.diff(falls)
     assert (gaps > 0).all()
     # once the wave has formed it travels at a constant speed
-    np.testing.assert_allclose(gaps[6:-3], 0.0775, atol=0.005)
+    np.testing.assert_allclose(gaps[6:-3], 0.0775, atol=1.6 * frames.dt)
+    np.testing.assert_allclose(gaps[6:-3].mean(), 0.0775, atol=0.002)
     assert tilt[-1, -1] > 89.0
     assert (tilt[-1, :-1] > 60).all() and (tilt[-1, :-1] < 75).all()
     assert np.abs(frames.velocities[-1]).max() < 0.01, "and then all is quiet"
@@ -265,7 +274,7 @@ def test_on_the_conveyor_each_crate_reaches_the_belts_speed_after_v_over_mu_g() 
         speed, motion = frames.velocities[:, crate, 0], frames.motion[:, crate]
         reached = belt / (mu * G)
         before, after = frames.times < reached - frames.dt, frames.times > reached + frames.dt
-        np.testing.assert_allclose(speed[before], mu * G * frames.times[before], atol=1e-4)
+        np.testing.assert_allclose(speed[before], mu * G * frames.times[before], rtol=2e-4, atol=1e-5)
         np.testing.assert_allclose(speed[after], belt, rtol=1e-5)
         assert set(motion[before][1:]) == {Motion.SLIDING}
         assert set(motion[after]) == {Motion.STICKING}

@@ -102,8 +102,7 @@ def test_what_is_left_out_is_as_for_a_world_made_by_hand(tmp_path: Path) -> None
     world, other = scene_of(tmp_path, HEAD + CRATE).build(), st.World()
     made = other.add(st.Box((1, 1, 1)))
     crate = world["crate"]
-    # scenes keep the lecture's solver unless they name another: their tables are those of the lecture
-    assert (world.dt, world.solver) == (other.dt, "micro")
+    assert (world.dt, world.solver) == (other.dt, other.solver)
     np.testing.assert_array_equal(world.gravity, other.gravity)
     assert world.materials == other.materials
     assert (crate.mass, crate.material) == (made.mass, made.material)
