@@ -23,8 +23,6 @@ pytestmark = pytest.mark.filterwarnings("ignore::stiction.IterationLimitWarning"
 seeds = some.integers(0, 2**32 - 1)
 few = settings(max_examples=15)
 both = pytest.mark.parametrize("solver", ["soft", "micro"])
-exact_ones = pytest.mark.parametrize("solver", ["micro"])
-"""``soft`` keeps these to single precision and to its springs only: docs/design/soft.md says how far."""
 """For what any world promises; ``soft`` computes contacts in single precision."""
 
 
@@ -94,17 +92,18 @@ def momenta(world: st.World) -> tuple[Array, Array, float, float]:
 # --- conservation -----------------------------------------------------------------------------------------------------
 
 
-@exact_ones
+@both
 @few
 @given(seeds, some.integers(2, 5))
 def test_momentum_of_free_bodies_is_conserved_through_every_collision(solver: str, seed: int, n: int) -> None:
-    """Linear to rounding; angular to the first order in dt, which is what the rotation of a free top costs."""
+    """Linear to rounding, in ``soft`` that of 4,800 substeps in single precision, 6e-8 each, which may agree in sign for
+    a while; angular to the first order in dt, which is what the rotation of a free top costs."""
     rng = np.random.default_rng(seed)
     world = swarm(rng, n, table(rng), solver, dt=0.001)
     p0, l0, p_scale, l_scale = momenta(world)
     world.step(600)
     p1, l1, _, _ = momenta(world)
-    np.testing.assert_allclose(p1, p0, rtol=0, atol=(1e-6 if solver == "soft" else 1e-11) * p_scale)
+    np.testing.assert_allclose(p1, p0, rtol=0, atol=(2e-5 if solver == "soft" else 1e-11) * p_scale)
     np.testing.assert_allclose(l1, l0, rtol=0, atol=6e-3 * l_scale)
 
 
@@ -130,7 +129,7 @@ def test_an_impact_conserves_angular_momentum_to_rounding(solver: str, seed: int
     np.testing.assert_allclose(l1, l0, rtol=0, atol=(1e-6 if solver == "soft" else 1e-8) * l_scale)
 
 
-@exact_ones
+@both
 @few
 @given(seeds, some.integers(2, 5), some.sampled_from([0.0, 0.5, 1.0]))
 def test_collisions_never_create_energy(solver: str, seed: int, n: int, restitution: float) -> None:
@@ -150,7 +149,7 @@ def test_collisions_never_create_energy(solver: str, seed: int, n: int, restitut
     assert abs(now.residual) <= 1e-11 * start.initial
 
 
-@exact_ones
+@both
 @few
 @given(seeds, some.sampled_from([0.0, 0.3, 1.0, 3.0]))
 def test_a_box_thrown_on_the_ground_never_rises_higher_than_its_energy(solver: str, seed: int, mu: float) -> None:
@@ -258,7 +257,7 @@ def run_alike(*worlds: st.World) -> None:
         assume(not any(world.report().limit_hits))
 
 
-@exact_ones
+@both
 @few
 @given(seeds, some.integers(1, 3))
 def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(solver: str, seed: int, n: int) -> None:
@@ -289,7 +288,7 @@ def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(solver:
     )
 
 
-@exact_ones
+@both
 @few
 @given(seeds, some.integers(1, 3))
 def test_a_scene_in_the_mirror_goes_as_its_mirror_image(solver: str, seed: int, n: int) -> None:
@@ -337,7 +336,7 @@ def test_a_crate_slides_equally_far_in_all_directions_whatever_its_yaw(solver: s
     np.testing.assert_allclose(crate.position[:2], wanted * v[:2] / 3.0, rtol=0, atol=2e-4)
 
 
-@exact_ones
+@both
 @few
 @given(seeds, some.floats(0.5, 20.0))
 def test_mass_does_not_matter_where_only_friction_and_gravity_act(solver: str, seed: int, factor: float) -> None:
