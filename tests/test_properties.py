@@ -96,8 +96,8 @@ def momenta(world: st.World) -> tuple[Array, Array, float, float]:
 @few
 @given(seeds, some.integers(2, 5))
 def test_momentum_of_free_bodies_is_conserved_through_every_collision(solver: str, seed: int, n: int) -> None:
-    """Linear to rounding, in ``soft`` that of 4,800 substeps in single precision, 6e-8 each, which may agree in sign for
-    a while; angular to the first order in dt, which is what the rotation of a free top costs."""
+    """Linear to rounding: in ``soft`` that of 4,800 substeps in single precision, 6e-8 each, which may agree in sign.
+    Angular to the first order in dt, which is what the rotation of a free top costs."""
     rng = np.random.default_rng(seed)
     world = swarm(rng, n, table(rng), solver, dt=0.001)
     p0, l0, p_scale, l_scale = momenta(world)

@@ -92,7 +92,7 @@ def gyroscopic(R, inertia, w, dt):
     momentum = inertia @ w0
     if length(cross(w0, momentum)) <= 1e-14 * length(w0) * length(momentum):
         return w
-    w1 = w0
+    w1 = step = w0
     for _ in range(10):
         middle = (w0 + w1) * 0.5
         spin = inertia @ middle
@@ -104,7 +104,8 @@ def gyroscopic(R, inertia, w, dt):
         w1 = w1 - step
         if length(step) <= 1e-15 * length(w1):
             break
-    return R @ w1
+    # of many turns a step Newton may not find the root; to turn on about the same axis keeps both invariants as well
+    return R @ w1 if length(step) <= 1e-9 * length(w1) else w
 
 
 @jit
