@@ -16,7 +16,7 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.collide.manifold import ROUND
 from stiction.core.contact_space import contact_basis
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.state import (
     DYNAMIC_MU,
     FEATURE,
@@ -62,7 +62,7 @@ NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
 
 
-@jit
+@bare
 def clear_manifold(manifolds, meta, reports, row):
     """Nothing is known of a new pair."""
     for k in range(s.MANIFOLD_WIDTH):
@@ -75,7 +75,7 @@ def clear_manifold(manifolds, meta, reports, row):
     manifolds[row, s.FRESH] = s.NEW
 
 
-@jit
+@bare
 def smaller_reach(pose, kinds, a, b):
     """Reach of the smaller of two bodies, m; a plane is larger than anything."""
     if kinds[a, SHAPE] == PLANE:
@@ -85,7 +85,7 @@ def smaller_reach(pose, kinds, a, b):
     return min(pose[a + 1, s.POSE_REACH], pose[b + 1, s.POSE_REACH])
 
 
-@jit
+@bare
 def is_kept(kinds, a, b, pose, meta, row):
     """Whether the narrow phase would find what the manifold already has."""
     moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.SEEN]
@@ -94,20 +94,20 @@ def is_kept(kinds, a, b, pose, meta, row):
     return meta[row, s.AHEAD] - moved >= margin_of(pose, kinds, a, b)
 
 
-@jit
+@bare
 def margin_of(pose, kinds, a, b):
     """How far ahead contact points are needed in this step, m."""
     speculative = min(SPECULATIVE, SMALL * smaller_reach(pose, kinds, a, b))
     return speculative + pose[a + 1, s.POSE_MARGIN] + pose[b + 1, s.POSE_MARGIN]
 
 
-@jit
+@bare
 def look_of(pose, kinds, a, b):
     """How far beyond that contact points are looked for, m."""
     return min(LOOK, 2.0 * SMALL * smaller_reach(pose, kinds, a, b))
 
 
-@jit
+@bare
 def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow):
     """Make the manifold anew from ``found`` contact points; ``slow`` (m/s) is the slip below which it begins stuck."""
     meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
@@ -221,7 +221,7 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin
         put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
 
 
-@jit
+@bare
 def settle_lift(manifolds, reports, row, part):
     """Let the points of a manifold sink by a part of what they are still held above their depth."""
     if reports[row, s.LIFT] + reports[row, s.LIFT + 1] + reports[row, s.LIFT + 2] + reports[row, s.LIFT + 3] > 0.0:
@@ -233,7 +233,7 @@ def settle_lift(manifolds, reports, row, part):
             manifolds[row, s.GAP + k] += step
 
 
-@jit
+@bare
 def velocity_before(bodies, kinds, i):
     """Velocities of body i as the step begins; a kinematic one takes up those it has been told in the course of it."""
     if kinds[i, MOBILITY] == KINEMATIC:
@@ -241,7 +241,7 @@ def velocity_before(bodies, kinds, i):
     return vec3(bodies, i, V), vec3(bodies, i, W)
 
 
-@jit
+@bare
 def set_coefficients(kinds, table, a, b, manifolds, row):
     """The pair's row of the table."""
     i, j = kinds[a, MATERIAL], kinds[b, MATERIAL]
@@ -250,7 +250,7 @@ def set_coefficients(kinds, table, a, b, manifolds, row):
     manifolds[row, s.ROLLING], manifolds[row, s.TORSIONAL] = table[i, j, ROLLING], table[i, j, TORSIONAL]
 
 
-@jit
+@bare
 def belt_velocity(bodies, pose, a, b):
     """Velocity of the surface of a relative to its body, less that of b, world, m/s."""
     return (
@@ -259,7 +259,7 @@ def belt_velocity(bodies, pose, a, b):
     )  # fmt: skip
 
 
-@jit
+@bare
 def refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row):
     """What changes from step to step: the arms to the anchor, how far b is from where it was, and belts."""
     ra = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_A)
@@ -277,7 +277,7 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row):
         manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
 
 
-@jit
+@bare
 def carried_round(bodies, kinds, i, other):
     """How fast the velocity of the surface of kinematic body i changes under a body that moves over it: w x v."""
     if kinds[i, MOBILITY] != KINEMATIC:
@@ -286,7 +286,7 @@ def carried_round(bodies, kinds, i, other):
     return cross(w, vec3(bodies, other, V))
 
 
-@jit
+@bare
 def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
     """Work (J) that kinematic bodies and moving surfaces put in over a step, before the bodies are moved."""
     work = 0.0
@@ -313,7 +313,7 @@ def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
     return work
 
 
-@jit
+@bare
 def measure_patch(contacts, tags, found, center, n, manifolds, row):
     """Second moments of the patch and of its points along its principal axes; returns the first axis, u.
 
@@ -389,13 +389,13 @@ def measure_patch(contacts, tags, found, center, n, manifolds, row):
     return e1 * c + e2 * sn
 
 
-@jit
+@bare
 def _place(contacts, k, center, e1, e2):
     d = vec3(contacts, k, POINT) - center
     return Vec3(dot(d, e1), dot(d, e2), 0.0)
 
 
-@jit
+@bare
 def _triangle(a, b, c):
     """Centroid, signed area and second moments about the origin, per area, of a triangle."""
     area = 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x))

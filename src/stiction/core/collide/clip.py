@@ -9,7 +9,7 @@ import math
 
 from stiction.core.collide.hulls import POINT, SEGMENT, corner, corner_count, face_plane, facing, vertex
 from stiction.core.collide.manifold import ROUND
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.vec import Vec3, column, cross, dot, length, put_vec3, vec3
 
 BUFFER = 64
@@ -26,7 +26,7 @@ PARALLEL = 0.02
 """Lines whose directions differ by less (rad) touch with two points."""
 
 
-@jit
+@bare
 def lowest(X, n):
     """The direction in the caps of a cylinder in which they reach farthest against n; the body's x axis if flat."""
     axis = column(X.R, 2)
@@ -35,7 +35,7 @@ def lowest(X, n):
     return column(X.R, 0) if size < FLAT else d * (1.0 / size)
 
 
-@jit
+@bare
 def clip_face(F, f, n, X, owner, hulls, margin, points):
     """Points of X over face f of F, whose outward normal is n, up to the margin; returns their number.
 
@@ -99,7 +99,7 @@ def clip_face(F, f, n, X, owner, hulls, margin, points):
     return touching
 
 
-@jit
+@bare
 def _cut(points, source, n, closed, s, limit, side):
     """Cut a polygon, or an open line, by the half space s . x <= limit into the other buffer; returns its new size."""
     target = BUFFER - source
@@ -122,7 +122,7 @@ def _cut(points, source, n, closed, s, limit, side):
     return kept
 
 
-@jit
+@bare
 def _covers(X, g, m, center, radius, hulls):
     """Whether a disc lies within face g of X, whose normal is m."""
     if X.round:
@@ -140,7 +140,7 @@ def _covers(X, g, m, center, radius, hulls):
     return True
 
 
-@jit
+@bare
 def _disc(X, center, n, p, m, offset, margin, base, points):
     """Four points of the rim of X's disc against the plane m . (x - p) = offset, seen along n.
 
@@ -161,7 +161,7 @@ def _disc(X, center, n, p, m, offset, margin, base, points):
     return found
 
 
-@jit
+@bare
 def _line(X, hulls, n):
     """The line with which X reaches farthest along n: whether there is one, its ends, and the radius about it."""
     axis, r = column(X.R, 2), X.radius
@@ -181,7 +181,7 @@ def _line(X, hulls, n):
     return ok, p, q, r, edge
 
 
-@jit
+@bare
 def clip_lines(A, B, n, sigma, hulls, margin, points):
     """The ends of what two nearly parallel lines have in common, if they touch along it; returns their number, 0 or 2.
 

@@ -24,7 +24,7 @@ from stiction.core.collide.clip import clip_face, clip_lines
 from stiction.core.collide.gjk import closest
 from stiction.core.collide.hulls import POINT, face_count, face_plane, shrunk, support
 from stiction.core.collide.manifold import emit, reduce
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.vec import Vec3, column, cross, dot, length, transpose, vec3
 
 FACE_PREFERENCE = 0.005
@@ -50,7 +50,7 @@ MOST_EDGE_PAIRS = 16384
 """Larger hulls are lifted instead of trying all pairs of edges."""
 
 
-@jit
+@bare
 def convex_convex(contacts, tags, count, a, A, b, B, origin, hulls, margin, points):
     """Up to four points. The coordinates of A and B are relative to ``origin``."""
     zero = Vec3(0.0, 0.0, 0.0)
@@ -147,13 +147,13 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hulls, margin, poin
     return count
 
 
-@jit
+@bare
 def _along(A, B, hulls, n):
     """sigma(n) of the cores."""
     return dot(n, support(B, hulls, -n) - support(A, hulls, n))
 
 
-@jit
+@bare
 def _best_face(A, B, hulls, slack):
     """The face along whose normal the cores are farthest apart: its number, whose it is (0 or 1), the normal from A to
     B, and how far. -1 if there are none."""
@@ -170,7 +170,7 @@ def _best_face(A, B, hulls, slack):
     return face, owner, n, best + owner * slack
 
 
-@jit
+@bare
 def _guess(A, B, c):
     """Directions from which to improve: between the origins, across each axis, and across both; either way."""
     d = B.p - A.p
@@ -187,7 +187,7 @@ def _guess(A, B, c):
     return m if c & 1 else -m
 
 
-@jit
+@bare
 def _best_edges(A, B, hulls):
     """The two edges along whose common normal the cores are farthest apart: the normal, how far, the nearest points of
     the edges, and the feature. Works in the axes of B."""
@@ -235,19 +235,19 @@ def _best_edges(A, B, hulls):
     return B.R @ n, best, B.p + B.R @ wa, B.p + B.R @ wb, feature
 
 
-@jit
+@bare
 def _scaled(X, hulls, i):
     v = hulls.vertices
     return Vec3(v[i, 0] * X.scale.x, v[i, 1] * X.scale.y, v[i, 2] * X.scale.z)
 
 
-@jit
+@bare
 def _pair(i, j):
     """One number of two vertices, in either order; huge hulls repeat it."""
     return (min(i, j) & 511) << 9 | (max(i, j) & 511)
 
 
-@jit
+@bare
 def _feature(X, hulls, n):
     """The vertex, or the first two, or the part of a cylinder, that reaches farthest along n."""
     if X.round:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from stiction.core.collide.hulls import support
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.vec import Vec3, cross, dot, length, put_vec3, vec3
 
 ITERATIONS = 64
@@ -20,7 +20,7 @@ SIMPLEX = 128
 """Row of the scratch in which the simplex begins: a point of C and its weight, then the point of A it was made from."""
 
 
-@jit
+@bare
 def closest(A, B, hulls, shift, start, limit, floor, tolerance, points):
     """Distance of A from B moved by ``shift``; ``start`` is a guess of its direction.
 
@@ -59,7 +59,7 @@ def closest(A, B, hulls, shift, start, limit, floor, tolerance, points):
     return apart and bound > floor, bound, n, pa, pa + v - shift
 
 
-@jit
+@bare
 def _nearest(points, m):
     """The point nearest to the origin on the simplex of m old points and the newest one, row m; what does not hold it
     is dropped. Returns how many points remain, and that point."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.state import BOX, CAPSULE, CYLINDER, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
 from stiction.core.vec import Mat33, Vec3, column, dot, quat, rotation, transpose, vec3
 
@@ -51,7 +51,7 @@ MOST_CORNERS = 32
 """A face of more corners is clipped as the polygon of every second, third... of them."""
 
 
-@jit
+@bare
 def convex_of(bodies, kinds, i, p, hulls):
     """Body i with the origin of its frame at p."""
     s = vec3(bodies, i, SIZE)
@@ -77,14 +77,14 @@ def convex_of(bodies, kinds, i, p, hulls):
     return Convex(p, R, s, radius, small, hull, shape == CYLINDER)
 
 
-@jit
+@bare
 def vertex(X, hulls, i):
     """Vertex of row i, where the shape is."""
     v = hulls.vertices
     return X.p + X.R @ Vec3(v[i, 0] * X.scale.x, v[i, 1] * X.scale.y, v[i, 2] * X.scale.z)
 
 
-@jit
+@bare
 def shrunk(X, hulls, factor):
     """The core, smaller by a factor, about the middle of its vertices."""
     s, rest = X.scale, 1.0 - factor
@@ -93,7 +93,7 @@ def shrunk(X, hulls, factor):
     return Convex(p, X.R, s * factor, X.radius, X.small, X.hull, X.round)
 
 
-@jit
+@bare
 def support(X, hulls, n):
     """The point of the core that lies farthest along n (world axes, any length)."""
     m = transpose(X.R) @ n
@@ -112,13 +112,13 @@ def support(X, hulls, n):
     return vertex(X, hulls, farthest)
 
 
-@jit
+@bare
 def face_count(X, hulls):
     """Flat faces: the two caps of a cylinder, those of the hull, none of a sphere and a capsule."""
     return 2 if X.round else hulls.spans[X.hull, 3]
 
 
-@jit
+@bare
 def face_plane(X, hulls, f):
     """Outward normal of face f in world axes, and its distance from the origin of the shape's frame."""
     if X.round:
@@ -129,7 +129,7 @@ def face_plane(X, hulls, f):
     return X.R @ m, hulls.planes[i, 3] * (m.x * m.x * X.scale.x + m.y * m.y * X.scale.y + m.z * m.z * X.scale.z)
 
 
-@jit
+@bare
 def facing(X, hulls, n):
     """The face whose normal is nearest to n, -1 if there are no faces."""
     face, best = -1, -math.inf
@@ -140,7 +140,7 @@ def facing(X, hulls, n):
     return face
 
 
-@jit
+@bare
 def corner_count(X, hulls, f):
     """Corners of face f, as it is clipped."""
     if X.round:
@@ -150,7 +150,7 @@ def corner_count(X, hulls, f):
     return (m + stride - 1) // stride
 
 
-@jit
+@bare
 def corner(X, hulls, f, k, u):
     """Corner k of face f, counter-clockwise seen from outside; u is the direction of a disc's corner 0."""
     if X.round:

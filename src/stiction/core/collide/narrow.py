@@ -10,12 +10,12 @@ from stiction.core.collide.convex import convex_convex
 from stiction.core.collide.hulls import convex_of
 from stiction.core.collide.on_plane import cylinder_plane, hull_plane
 from stiction.core.collide.sphere import sphere_box, sphere_cylinder, sphere_plane, sphere_sphere
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.state import BOX, CAPSULE, CYLINDER, ORIENTATION, PLANE, POSITION, SHAPE, SIZE, SPHERE
 from stiction.core.vec import Vec3, dot, quat, rotation, vec3
 
 
-@jit
+@bare
 def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, points, boxes_meet, hulls):
     """Fill ``contacts`` from the pairs; returns how many there are, which may exceed the room.
 
@@ -29,7 +29,7 @@ def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, poi
     return count
 
 
-@jit
+@bare
 def pair_contacts(bodies, kinds, a, b, margin, contacts, tags, count, points, boxes_meet, hulls):
     """Write up to four contact points of bodies a and b that are no farther apart than ``margin``, from row ``count``.
 
@@ -81,7 +81,7 @@ def pair_contacts(bodies, kinds, a, b, margin, contacts, tags, count, points, bo
     return count
 
 
-@jit
+@bare
 def world_plane(bodies, i):
     """Normal and offset of plane i in world coordinates: points with n . x = offset lie on it."""
     n = rotation(quat(bodies, i, ORIENTATION)) @ vec3(bodies, i, SIZE)
