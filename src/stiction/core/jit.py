@@ -105,6 +105,11 @@ bare = numba.extending.register_jitable(
 """Decorator of a helper that makes and returns no array, so that it counts no references: each array in the arguments
 of one that is not inlined would cost two atomic operations a call, and so would each array taken out of a tuple."""
 
+inlined = numba.extending.register_jitable(
+    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False, forceinline=True
+)
+"""Decorator of a ``bare`` helper so short that to hand over its arguments would take longer than what it does."""
+
 config: Any = numba.config
 
 

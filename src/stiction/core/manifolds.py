@@ -58,6 +58,11 @@ SETTLING = 1.0
 """s, in which a new contact sinks to 1/e of what its load lets it sink."""
 LEAST_LIFT = 1e-9
 """m"""
+EDITED_MOTION, FARTHEST = 1.0, 0.9
+"""m, by which a body counts as moved that was changed from outside; a pair is looked at again after less, however far
+apart it is."""
+FORGOTTEN = 0.5
+"""Of the smaller body's reach: after so much motion the last direction of a pair is no hint any more."""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
 
@@ -108,16 +113,31 @@ def look_of(pose, kinds, a, b):
 
 
 @bare
-def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow):
+def hint_of(kinds, a, b, manifolds, meta, pose, row):
+    """The direction from a to b that the narrow phase found last for this pair, world; zero if there is none, or if the
+    bodies have moved so far since that it says little."""
+    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.SEEN]
+    if moved > FORGOTTEN * smaller_reach(pose, kinds, a, b):
+        return Vec3(0.0, 0.0, 0.0)
+    return mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
+
+
+@bare
+def see_nothing(manifolds, meta, reports, pose, a, b, row, gap, toward):
+    """The pair has no points; its bodies are ``gap`` apart at least. ``toward`` is kept as the next hint."""
+    meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
+    meta[row, s.AHEAD] = min(gap, FARTHEST)
+    meta[row, s.POINTS] = 0
+    manifolds[row, s.FRESH] = s.NEW
+    put_vec3(manifolds, row, s.NORMAL_A, transpose(mat33(pose, a + 1, s.POSE_ROTATION)) @ toward)
+    for k in range(4):
+        reports[row, s.LIFT + k] = 0.0
+
+
+@bare
+def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow):
     """Make the manifold anew from ``found`` contact points; ``slow`` (m/s) is the slip below which it begins stuck."""
     meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
-    meta[row, s.AHEAD] = margin
-    if found == 0:
-        meta[row, s.POINTS] = 0
-        manifolds[row, s.FRESH] = s.NEW
-        for k in range(4):
-            reports[row, s.LIFT + k] = 0.0
-        return
     Ra, Rb = mat33(pose, a + 1, s.POSE_ROTATION), mat33(pose, b + 1, s.POSE_ROTATION)
     xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
     n = vec3(contacts, 0, NORMAL)

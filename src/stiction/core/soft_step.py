@@ -14,13 +14,16 @@ from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
 from stiction.core.manifolds import (
+    EDITED_MOTION,
     SETTLING,
     clear_manifold,
     drive_work,
+    hint_of,
     is_kept,
     look_of,
     margin_of,
     refresh_manifold,
+    see_nothing,
     settle_lift,
     take_points,
 )
@@ -64,6 +67,7 @@ from stiction.core.state import (
     LAST,
     MECHANICAL,
     MOBILITY,
+    NORMAL,
     NUMERICAL,
     POSITION,
     ROLLING_LOSS,
@@ -269,7 +273,7 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
                 wake_island(bodies, kinds, n, b)
     for k in range(counts[N_EDITED]):
         i = lists[EDITED, k]
-        pose[i + 1, s.POSE_MOTION] += 1.0  # its manifolds are looked for anew
+        pose[i + 1, s.POSE_MOTION] += EDITED_MOTION  # its manifolds are looked for anew
         begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h)
         for c in range(7):
             bodies[i, LAST + c] = bodies[i, POSITION + c]
@@ -340,15 +344,20 @@ def find_manifolds(bodies, kinds, n, pairs, npairs, soft, scratch, table, slow, 
         if not is_kept(kinds, a, b, pose, meta, row):
             needed = margin_of(pose, kinds, a, b)
             margin = needed + look_of(pose, kinds, a, b)
-            found = pair_contacts(bodies, kinds, a, b, margin, contacts, tags, 0, points, boxes_meet, hulls)
-            nearest = margin
-            for c in range(found):
-                nearest = min(nearest, contacts[c, SEPARATION])
-            if nearest > needed:
-                found, margin = 0, nearest
-            take_points(
-                bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow
+            hint = hint_of(kinds, a, b, manifolds, meta, pose, row)
+            found, toward, nearest = pair_contacts(
+                bodies, kinds, a, b, margin, hint, contacts, tags, 0, points, boxes_meet, hulls
             )
+            if found > 0:
+                nearest, toward = margin, vec3(contacts, 0, NORMAL)
+                for c in range(found):
+                    nearest = min(nearest, contacts[c, SEPARATION])
+            if found == 0 or nearest > needed:
+                see_nothing(manifolds, meta, reports, pose, a, b, row, nearest, toward)
+            else:
+                take_points(
+                    bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow
+                )
         if meta[row, s.POINTS] > 0.0:
             if kinds[a, ASLEEP] or kinds[b, ASLEEP]:
                 wake_island(bodies, kinds, n, a if kinds[a, ASLEEP] else b)

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from numba import types
 from numba.extending import overload
 
-from stiction.core.jit import bare
+from stiction.core.jit import bare, inlined
 
 
 class Vec3(NamedTuple):
@@ -136,7 +136,7 @@ def _matmul(a, b):
     return None
 
 
-@bare
+@inlined
 def _matrix_times_vector(m, v):
     return Vec3(
         m.xx * v.x + m.xy * v.y + m.xz * v.z,
@@ -163,19 +163,19 @@ def _matrix_times_matrix(a, b):
 # --- vectors ---------------------------------------------------------------------------------------------------------
 
 
-@bare
+@inlined
 def dot(a, b):
     """a . b"""
     return a.x * b.x + a.y * b.y + a.z * b.z
 
 
-@bare
+@inlined
 def cross(a, b):
     """a x b"""
     return Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
-@bare
+@inlined
 def length(a):
     """|a|, of one vector only (scalar square root)."""
     return math.sqrt(a.x * a.x + a.y * a.y + a.z * a.z)
@@ -190,7 +190,7 @@ def columns(a, b, c):
     return Mat33(a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z)
 
 
-@bare
+@inlined
 def column(m, k):
     """Column k (0, 1, 2) of m, for one matrix only (branches)."""
     if k == 0:
@@ -200,7 +200,7 @@ def column(m, k):
     return Vec3(m.xz, m.yz, m.zz)
 
 
-@bare
+@inlined
 def transpose(m):
     """m^T"""
     return Mat33(m.xx, m.yx, m.zx, m.xy, m.yy, m.zy, m.xz, m.yz, m.zz)
@@ -256,19 +256,19 @@ def congruent(r, m):
 # --- pieces of a row: quantity that starts in column k of row i of an (n, width) matrix ------------------------------
 
 
-@bare
+@inlined
 def vec3(a, i, k):
     """The vector in columns k to k + 2 of row i."""
     return Vec3(a[i, k], a[i, k + 1], a[i, k + 2])
 
 
-@bare
+@inlined
 def quat(a, i, k):
     """The quaternion in columns k to k + 3 of row i."""
     return Quat(a[i, k], a[i, k + 1], a[i, k + 2], a[i, k + 3])
 
 
-@bare
+@inlined
 def mat33(a, i, k):
     """The matrix in columns k to k + 8 of row i."""
     return Mat33(
@@ -278,7 +278,7 @@ def mat33(a, i, k):
     )  # fmt: skip
 
 
-@bare
+@inlined
 def put_vec3(a, i, k, v):
     """Store a vector in columns k to k + 2 of row i."""
     a[i, k], a[i, k + 1], a[i, k + 2] = v.x, v.y, v.z

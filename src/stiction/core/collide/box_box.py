@@ -36,16 +36,23 @@ def _octant(v):
 
 
 @bare
-def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points):
+def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, points):
     """Feature of a point: axis (0 to 14), then incident face and corner or clip edge, or both edges.
 
-    ``points`` is scratch, (16, 5).
+    ``hint`` is a direction in which b may be found, of any length, or zero: it is tried first. Returns the new count,
+    and, with no new point, a direction along which they are apart, and how far. ``points`` is scratch, (16, 5).
     """
     Ra = rotation(qa)
     Rb = rotation(qb)
     RaT = transpose(Ra)
     RbT = transpose(Rb)
     d = pb - pa
+    size = dot(hint, hint)
+    if size > 0.0:
+        e = hint * (1.0 / math.sqrt(size))
+        separation = dot(d, e) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
+        if separation > margin:
+            return count, e, separation
 
     face, best_face, face_normal = -1, -math.inf, d
     slack = FACE_PREFERENCE * min(min(ha.x, min(ha.y, ha.z)), min(hb.x, min(hb.y, hb.z)))
@@ -54,7 +61,7 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
         s = dot(d, e)
         separation = abs(s) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
         if separation > margin:
-            return count
+            return count, e if s > 0.0 else -e, separation
         if separation > best_face + slack:
             face, best_face, face_normal = k, separation, e if s > 0.0 else -e
     edge, best_edge, edge_normal = -1, -math.inf, d
@@ -67,7 +74,7 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
                 s = dot(d, e)
                 separation = abs(s) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
                 if separation > margin:
-                    return count
+                    return count, e if s > 0.0 else -e, separation
                 if separation > best_edge:
                     edge, best_edge, edge_normal = 6 + 3 * i + j, separation, e if s > 0.0 else -e
 
@@ -81,11 +88,12 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
             found = reduce(points, found, -face_normal)
     if found == 0 and edge >= 0 and best_edge >= best_face - slack:
         # the edges are clearly nearer, or no corner of the one box lies over the face of the other
-        return _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge)
+        count = _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge)
+        return count, edge_normal, best_edge
     for i in range(found):
         p = Vec3(points[i, 0], points[i, 1], points[i, 2])
         count = emit(contacts, tags, count, a, b, p, face_normal, points[i, 3], int(points[i, 4]))
-    return count
+    return count, face_normal, best_face
 
 
 @bare

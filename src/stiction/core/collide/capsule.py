@@ -43,7 +43,7 @@ def nearest_on_segments(p, u, q, v):
 
 @bare
 def capsule_capsule(contacts, tags, count, a, A, b, B, origin, hulls, margin, points):
-    """Two points where the capsules lie along each other, else one."""
+    """Two points where the capsules lie along each other, else one. Also returns the separation."""
     u, v = column(A.R, 2) * (2.0 * A.scale.z), column(B.R, 2) * (2.0 * B.scale.z)
     p, q = A.p - u * 0.5, B.p - v * 0.5
     s, t = nearest_on_segments(p, u, q, v)
@@ -52,7 +52,7 @@ def capsule_capsule(contacts, tags, count, a, A, b, B, origin, hulls, margin, po
     distance = length(d)
     separation = distance - A.radius - B.radius
     if separation > margin:
-        return count
+        return count, separation
     if distance > 1e-12 * (A.radius + B.radius):
         n = d * (1.0 / distance)
     else:
@@ -67,4 +67,4 @@ def capsule_capsule(contacts, tags, count, a, A, b, B, origin, hulls, margin, po
     if found == 0:
         point = (pa + n * A.radius + pb - n * B.radius) * 0.5
         count = emit(contacts, tags, count, a, b, origin + point, n, separation, 0)
-    return count
+    return count, separation

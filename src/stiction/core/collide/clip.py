@@ -9,7 +9,7 @@ import math
 
 from stiction.core.collide.hulls import POINT, SEGMENT, corner, corner_count, face_plane, facing, vertex
 from stiction.core.collide.manifold import ROUND
-from stiction.core.jit import bare
+from stiction.core.jit import bare, inlined
 from stiction.core.vec import Vec3, column, cross, dot, length, put_vec3, vec3
 
 BUFFER = 64
@@ -99,7 +99,7 @@ def clip_face(F, f, n, X, owner, hulls, margin, points):
     return touching
 
 
-@bare
+@inlined
 def _cut(points, source, n, closed, s, limit, side):
     """Cut a polygon, or an open line, by the half space s . x <= limit into the other buffer; returns its new size."""
     target = BUFFER - source

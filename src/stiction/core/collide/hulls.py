@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stiction.core.jit import bare
+from stiction.core.jit import bare, inlined
 from stiction.core.state import BOX, CAPSULE, CYLINDER, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
 from stiction.core.vec import Mat33, Vec3, column, dot, quat, rotation, transpose, vec3
 
@@ -77,7 +77,7 @@ def convex_of(bodies, kinds, i, p, hulls):
     return Convex(p, R, s, radius, small, hull, shape == CYLINDER)
 
 
-@bare
+@inlined
 def vertex(X, hulls, i):
     """Vertex of row i, where the shape is."""
     v = hulls.vertices
@@ -93,32 +93,42 @@ def shrunk(X, hulls, factor):
     return Convex(p, X.R, s * factor, X.radius, X.small, X.hull, X.round)
 
 
-@bare
-def support(X, hulls, n):
-    """The point of the core that lies farthest along n (world axes, any length)."""
-    m = transpose(X.R) @ n
+@inlined
+def reach_point(X, hulls, m):
+    """The point of the core that lies farthest along m; both in the axes of the shape and from its origin.
+
+    The cube, the segment and the point are the corners (+-1, +-1, +-1) of the scale.
+    """
+    s = X.scale
     if X.round:
         across = math.sqrt(m.x * m.x + m.y * m.y)
-        s = X.scale.x / across if across > 0.0 else 0.0
-        return X.p + X.R @ Vec3(m.x * s, m.y * s, math.copysign(X.scale.z, m.z))
-    x, y, z = m.x * X.scale.x, m.y * X.scale.y, m.z * X.scale.z
+        f = s.x / across if across > 0.0 else 0.0
+        return Vec3(m.x * f, m.y * f, math.copysign(s.z, m.z))
+    if X.hull <= POINT:
+        return Vec3(s.x if m.x > 0.0 else -s.x, s.y if m.y > 0.0 else -s.y, s.z if m.z > 0.0 else -s.z)
+    x, y, z = m.x * s.x, m.y * s.y, m.z * s.z
     v = hulls.vertices
     first = hulls.spans[X.hull, 0]
     farthest, best = first, -math.inf
     for i in range(first, first + hulls.spans[X.hull, 1]):
         h = x * v[i, 0] + y * v[i, 1] + z * v[i, 2]
-        if h > best:
-            farthest, best = i, h
-    return vertex(X, hulls, farthest)
+        farthest, best = (i, h) if h > best else (farthest, best)
+    return Vec3(v[farthest, 0] * s.x, v[farthest, 1] * s.y, v[farthest, 2] * s.z)
 
 
-@bare
+@inlined
+def support(X, hulls, n):
+    """The point of the core that lies farthest along n (world axes, any length)."""
+    return X.p + X.R @ reach_point(X, hulls, transpose(X.R) @ n)
+
+
+@inlined
 def face_count(X, hulls):
     """Flat faces: the two caps of a cylinder, those of the hull, none of a sphere and a capsule."""
     return 2 if X.round else hulls.spans[X.hull, 3]
 
 
-@bare
+@inlined
 def face_plane(X, hulls, f):
     """Outward normal of face f in world axes, and its distance from the origin of the shape's frame."""
     if X.round:
@@ -140,7 +150,7 @@ def facing(X, hulls, n):
     return face
 
 
-@bare
+@inlined
 def corner_count(X, hulls, f):
     """Corners of face f, as it is clipped."""
     if X.round:
