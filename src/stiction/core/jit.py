@@ -99,9 +99,7 @@ def cache_folder() -> Path | None:
 jit = numba.extending.register_jitable(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
 """Decorator of a helper."""
 
-bare = numba.extending.register_jitable(
-    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False
-)
+bare = numba.extending.register_jitable(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
 """Decorator of a helper that makes and returns no array, so that it counts no references: each array in the arguments
 of one that is not inlined would cost two atomic operations a call, and so would each array taken out of a tuple."""
 

@@ -25,11 +25,9 @@ from stiction.core.collide.directions import (
     best_face,
     climb,
     look_around,
-    number_of_two,
-    scaled_vertex,
 )
 from stiction.core.collide.gjk import closest
-from stiction.core.collide.hulls import POINT, support
+from stiction.core.collide.hulls import POINT, number_of_two, support
 from stiction.core.collide.manifold import emit, reduce
 from stiction.core.jit import bare
 from stiction.core.vec import Vec3, column, dot, length, transpose, vec3
@@ -146,17 +144,21 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
 @bare
 def _feature(X, hulls, n):
     """The vertex, or the first two, or the part of a cylinder, that reaches farthest along n."""
+    m, s = transpose(X.R) @ n, X.scale
     if X.round:
-        c = dot(column(X.R, 2), n)
-        return 0 if c > 1e-6 else (1 if c < -1e-6 else 2)
-    m = transpose(X.R) @ n
+        return 0 if m.z > 1e-6 else (1 if m.z < -1e-6 else 2)
+    m = Vec3(m.x * s.x, m.y * s.y, m.z * s.z)
+    v = hulls.vertices
     first, number = hulls.spans[X.hull, 0], hulls.spans[X.hull, 1]
-    high = dot(m, transpose(X.R) @ (support(X, hulls, n) - X.p)) - 1e-6 * X.small
+    high = -math.inf
+    for i in range(first, first + number):
+        high = max(high, m.x * v[i, 0] + m.y * v[i, 1] + m.z * v[i, 2])
+    high -= 1e-6 * X.small
     one, other = -1, -1
-    for i in range(number):
-        if dot(m, scaled_vertex(X, hulls, first + i)) >= high:
+    for i in range(first, first + number):
+        if m.x * v[i, 0] + m.y * v[i, 1] + m.z * v[i, 2] >= high:
             if one < 0:
-                one = i
+                one = i - first
             elif other < 0:
-                other = i
+                other = i - first
     return number_of_two(max(one, 0), other if other >= 0 else max(one, 0))

@@ -19,7 +19,7 @@ import math
 
 from stiction.core.collide.capsule import nearest_on_segments, perpendicular
 from stiction.core.collide.gjk import closest
-from stiction.core.collide.hulls import POINT, SEGMENT, face_count, face_plane, reach_point, shrunk, support, vertex
+from stiction.core.collide.hulls import POINT, SEGMENT, number_of_two, reach_point, shrunk, support, two_best, vertex
 from stiction.core.jit import bare, inlined
 from stiction.core.vec import Vec3, column, cross, dot, length, transpose, vec3
 
@@ -74,7 +74,7 @@ def climb(A, B, hulls, n, sigma, wa, wb, lift, floor, fine, stalled, lifts):
     return apart, n, sigma, wa, wb
 
 
-@bare
+@inlined
 def between_lines(A, B, hulls, shift, n):
     """The distance of A from B moved by ``shift``, if they are nearest to each other with the edges, or the sides of
     cylinders, that reach farthest along n: as :func:`closest`, but first whether it is proven.
@@ -94,7 +94,7 @@ def between_lines(A, B, hulls, shift, n):
     return upper - bound <= FINE * upper, bound, m, x + m * ra, y - m * rb - shift
 
 
-@bare
+@inlined
 def _line_at(X, hulls, n):
     """The edge with which X reaches farthest along n, or the axis of a cylinder: an end, the way to the other one, and
     the radius of what is around it. An edge is between the best vertex and the next best."""
@@ -112,16 +112,7 @@ def _line_at(X, hulls, n):
         elif y <= z:
             u = Vec3(0.0, -2.0 * p.y, 0.0)
         return X.p + X.R @ p, X.R @ u, 0.0
-    x, y, z = m.x * s.x, m.y * s.y, m.z * s.z
-    v = hulls.vertices
-    first = hulls.spans[X.hull, 0]
-    one, other, best, next_best = first, first, -math.inf, -math.inf
-    for i in range(first, first + hulls.spans[X.hull, 1]):
-        h = x * v[i, 0] + y * v[i, 1] + z * v[i, 2]
-        if h > best:
-            one, other, best, next_best = i, one, h, best
-        elif h > next_best:
-            other, next_best = i, h
+    one, other = two_best(hulls, X.hull, Vec3(m.x * s.x, m.y * s.y, m.z * s.z))
     p = vertex(X, hulls, one)
     return p, vertex(X, hulls, other) - p, 0.0
 
@@ -144,9 +135,7 @@ def look_around(A, B, hulls, n, sigma, wa, wb):
         if sigma > -SHALLOW * small:
             break
         P, Q = shrunk(A, hulls, factor), shrunk(B, hulls, factor)
-        clear, _, m, _, _ = closest(
-            P, Q, hulls, Vec3(0.0, 0.0, 0.0), B.p - A.p, math.inf, TOUCHING * small, COARSE
-        )
+        clear, _, m, _, _ = closest(P, Q, hulls, Vec3(0.0, 0.0, 0.0), B.p - A.p, math.inf, TOUCHING * small, COARSE)
         if clear:
             bound = along(A, B, hulls, m)
             if bound > sigma:
@@ -162,20 +151,42 @@ def best_face(A, B, hulls, wa, wb, least, slack):
     Any point of the other shape bounds how far it is from a face: what is bounded by less than the best so far is passed
     over. So wa and wb, points of A and of B, should be deep in the other shape.
     """
-    face, owner, n, best = -1, 0, Vec3(0.0, 0.0, 0.0), least
-    for side in range(2):
-        F, X, w = A, B, wb
-        if side == 1:
-            F, X, w = B, A, wa
-        w = w - F.p
-        for f in range(face_count(F, hulls)):
-            m, offset = face_plane(F, hulls, f)
-            if dot(m, w) - offset - side * slack <= best:
-                continue
-            s = dot(m, support(X, hulls, -m) - F.p) - offset - side * slack
-            if s > best:
-                face, owner, n, best = f, side, m if side == 0 else -m, s
-    return face, owner, n, best + owner * slack if face >= 0 else -math.inf
+    face, owner, n, best = -1, 0, Vec3(0.0, 0.0, 0.0), -math.inf
+    f, m, s = _best_of(A, B, hulls, wb, least)
+    if f >= 0:
+        face, n, best = f, m, s
+    f, m, s = _best_of(B, A, hulls, wa, max(least, best) + slack)
+    if f >= 0:
+        face, owner, n, best = f, 1, -m, s
+    return face, owner, n, best
+
+
+@bare
+def _best_of(F, X, hulls, w, least):
+    """The same for the faces of F alone: number, outward normal, and how far X is along it; -1 if none is better."""
+    to_f = transpose(F.R)
+    R, p, w = to_f @ X.R, to_f @ (X.p - F.p), to_f @ (w - F.p)
+    back, s = transpose(R), F.scale
+    face, n, best = -1, w, least
+    if F.round:
+        for f in range(2):
+            m = Vec3(0.0, 0.0, 1.0 - 2.0 * f)
+            if m.z * w.z - s.z > best:
+                h = dot(m, p + R @ reach_point(X, hulls, -(back @ m))) - s.z
+                if h > best:
+                    face, n, best = f, m, h
+        return face, F.R @ n, best
+    planes = hulls.planes
+    first = hulls.spans[F.hull, 2]
+    for i in range(first, first + hulls.spans[F.hull, 3]):
+        m = Vec3(planes[i, 0], planes[i, 1], planes[i, 2])
+        # only the cube is scaled, and its normals are axes
+        offset = planes[i, 3] * (m.x * m.x * s.x + m.y * m.y * s.y + m.z * m.z * s.z)
+        if dot(m, w) - offset > best:
+            h = dot(m, p + R @ reach_point(X, hulls, -(back @ m))) - offset
+            if h > best:
+                face, n, best = i - first, m, h
+    return face, F.R @ n, best
 
 
 @bare
@@ -248,9 +259,3 @@ def scaled_vertex(X, hulls, i):
     """Vertex of row i, in the axes of the shape."""
     v = hulls.vertices
     return Vec3(v[i, 0] * X.scale.x, v[i, 1] * X.scale.y, v[i, 2] * X.scale.z)
-
-
-@bare
-def number_of_two(i, j):
-    """One number of two vertices, in either order; huge hulls repeat it."""
-    return (min(i, j) & 511) << 9 | (max(i, j) & 511)

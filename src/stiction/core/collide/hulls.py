@@ -13,7 +13,7 @@ import numpy as np
 
 from stiction.core.jit import bare, inlined
 from stiction.core.state import BOX, CAPSULE, CYLINDER, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
-from stiction.core.vec import Mat33, Vec3, column, dot, quat, rotation, transpose, vec3
+from stiction.core.vec import Mat33, Vec3, column, quat, rotation, transpose, vec3
 
 
 class Hulls(NamedTuple):
@@ -122,6 +122,21 @@ def support(X, hulls, n):
     return X.p + X.R @ reach_point(X, hulls, transpose(X.R) @ n)
 
 
+@bare
+def two_best(hulls, hull, m):
+    """The vertices of a hull of the table, by row, that lie farthest and second farthest along m: the ends of an edge."""
+    v = hulls.vertices
+    first = hulls.spans[hull, 0]
+    one, other, best, next_best = first, first, -math.inf, -math.inf
+    for i in range(first, first + hulls.spans[hull, 1]):
+        h = m.x * v[i, 0] + m.y * v[i, 1] + m.z * v[i, 2]
+        if h > best:
+            one, other, best, next_best = i, one, h, best
+        elif h > next_best:
+            other, next_best = i, h
+    return one, other
+
+
 @inlined
 def face_count(X, hulls):
     """Flat faces: the two caps of a cylinder, those of the hull, none of a sphere and a capsule."""
@@ -142,11 +157,15 @@ def face_plane(X, hulls, f):
 @bare
 def facing(X, hulls, n):
     """The face whose normal is nearest to n, -1 if there are no faces."""
+    m = transpose(X.R) @ n
+    if X.round:
+        return 0 if m.z > 0.0 else 1
     face, best = -1, -math.inf
-    for f in range(face_count(X, hulls)):
-        m, _ = face_plane(X, hulls, f)
-        if dot(m, n) > best:
-            face, best = f, dot(m, n)
+    planes = hulls.planes
+    first = hulls.spans[X.hull, 2]
+    for i in range(first, first + hulls.spans[X.hull, 3]):
+        h = planes[i, 0] * m.x + planes[i, 1] * m.y + planes[i, 2] * m.z
+        face, best = (i - first, h) if h > best else (face, best)
     return face
 
 
@@ -160,7 +179,7 @@ def corner_count(X, hulls, f):
     return (m + stride - 1) // stride
 
 
-@bare
+@inlined
 def corner(X, hulls, f, k, u):
     """Corner k of face f, counter-clockwise seen from outside; u is the direction of a disc's corner 0."""
     if X.round:
@@ -172,3 +191,9 @@ def corner(X, hulls, f, k, u):
     row = hulls.spans[X.hull, 2] + f
     m = hulls.loops[row, 1]
     return vertex(X, hulls, hulls.corners[hulls.loops[row, 0] + k * ((m + MOST_CORNERS - 1) // MOST_CORNERS)])
+
+
+@bare
+def number_of_two(i, j):
+    """One number of two vertices, in either order; huge hulls repeat it."""
+    return (min(i, j) & 511) << 9 | (max(i, j) & 511)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stiction.core.jit import bare
+from stiction.core.jit import bare, inlined
 from stiction.core.state import BODY_A, BODY_B, FEATURE, NORMAL, POINT, SEPARATION
 from stiction.core.vec import Vec3, cross, dot, put_vec3
 
@@ -19,7 +19,7 @@ ROUND = 1 << 40
 """Bit of the feature of four points that stand for a whole disc: they lie on its rim, 90 degrees apart."""
 
 
-@bare
+@inlined
 def emit(contacts, tags, count, a, b, point, normal, separation, feature):
     """Write one contact point, with the lower body first, and return the new count.
 

@@ -83,9 +83,7 @@ def pair_contacts(bodies, kinds, a, b, margin, hint, contacts, tags, count, poin
             if (one == SPHERE or one == CAPSULE) and other == CAPSULE:
                 count, gap = capsule_capsule(contacts, tags, count, a, A, b, B, pa, hulls, margin, points)
             else:
-                count, toward, gap = convex_convex(
-                    contacts, tags, count, a, A, b, B, pa, hint, hulls, margin, points
-                )
+                count, toward, gap = convex_convex(contacts, tags, count, a, A, b, B, pa, hint, hulls, margin, points)
     return count, -toward if swapped else toward, gap
 
 
