@@ -44,7 +44,7 @@ MOST_EDGE_PAIRS = 16384
 """Larger hulls are lifted instead of trying all pairs of edges."""
 DEEP = 0.25
 """Shapes that overlap by more than this part of the least half width are looked at from all sides, ..."""
-CLIMBS, NEARLY = 6, 1e-6
+CLIMBS, NEARLY = 6, 1e-5
 """... else improving a direction that is known takes so many steps, or ends with a gain below this part of it."""
 
 
@@ -80,7 +80,8 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
             sigma = -math.inf
 
     face, owner, face_n, face_sigma, found, deepest = -1, 0, zero, -math.inf, 0, math.inf
-    if not (apart and A.hull == POINT):
+    # a sphere that is outside touches with the point that GJK finds
+    if not (A.hull == POINT and (apart or sigma > floor)):
         face, owner, face_n, face_sigma = best_face(
             A, B, hulls, wa, wb, sigma - slack if known else -math.inf, ROUND_PREFERENCE * small
         )

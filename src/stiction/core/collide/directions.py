@@ -36,6 +36,9 @@ SHRINK = 0.5
 """Cylinders that overlap are shrunk to this part, then to its square, for a direction to begin with."""
 SHALLOW = 1e-3
 """Unless the best direction so far gives a smaller overlap than this part of the least half width."""
+ON_SIDE = 0.01
+"""A cylinder whose axis has a larger cosine with the direction is near with a rim, else with its side."""
+NEWTONS = 8
 TOUCHING = 1e-9
 """Polytopes that are closer than this part of the least half width overlap, for GJK."""
 
@@ -74,24 +77,66 @@ def climb(A, B, hulls, n, sigma, wa, wb, lift, floor, fine, stalled, lifts):
     return apart, n, sigma, wa, wb
 
 
-@inlined
+@bare
 def between_lines(A, B, hulls, shift, n):
-    """The distance of A from B moved by ``shift``, if they are nearest to each other with the edges, or the sides of
-    cylinders, that reach farthest along n: as :func:`closest`, but first whether it is proven.
+    """The distance of A from B moved by ``shift``, if they are nearest to each other with the edges, or the sides or a
+    rim of cylinders, that reach farthest along n: as :func:`closest`, but first whether it is proven.
 
     It is if the cores are as far apart along the line between the nearest points as these points are.
     """
     p, u, ra = _line_at(A, hulls, n)
     q, v, rb = _line_at(B, hulls, -n)
     q = q + shift
-    s, t = nearest_on_segments(p, u, q, v)
-    x, y = p + u * s, q + v * t
+    tilt_a = dot(column(A.R, 2), n) if A.round else 0.0
+    tilt_b = dot(column(B.R, 2), n) if B.round else 0.0
+    s, t = 0.5, 0.5
+    if abs(tilt_a) > ON_SIDE:
+        if abs(tilt_b) > ON_SIDE:
+            return False, 0.0, n, p, q
+        t, x = _rim_and_line(p + u if tilt_a > 0.0 else p, column(A.R, 2), ra, q, v)
+        y, ra = q + v * t, 0.0
+    elif abs(tilt_b) > ON_SIDE:
+        s, y = _rim_and_line(q if tilt_b > 0.0 else q + v, column(B.R, 2), rb, p, u)
+        x, rb = p + u * s, 0.0
+    else:
+        s, t = nearest_on_segments(p, u, q, v)
+        x, y = p + u * s, q + v * t
     size = length(y - x)
     if size <= ra + rb or (A.round and not 0.0 < s < 1.0) or (B.round and not 0.0 < t < 1.0):
         return False, 0.0, n, x, y
     m = (y - x) * (1.0 / size)
     upper, bound = size - ra - rb, along(A, B, hulls, m) + dot(shift, m)
     return upper - bound <= FINE * upper, bound, m, x + m * ra, y - m * rb - shift
+
+
+@bare
+def _rim_and_line(c, axis, radius, p, u):
+    """Where p + t u, t in 0 to 1, comes nearest to a rim about c from outside: t, and the point of the rim.
+
+    Newton on the derivative of half the squared distance, which is convex where the line is not over the disc.
+    """
+    uu = dot(u, u)
+    w = u - axis * dot(u, axis)
+    ww = dot(w, w)
+    t, x = 0.5, c
+    for _ in range(NEWTONS):
+        y = p + u * t
+        d = y - c
+        d = d - axis * dot(d, axis)
+        size = length(d)
+        if size <= 0.0:
+            break
+        d = d * (1.0 / size)
+        x = c + d * radius
+        part = dot(d, w)
+        slope = uu - radius / size * (ww - part * part)
+        if slope <= 1e-12 * uu:
+            break
+        before = t
+        t = min(max(t - dot(u, y - x) / slope, 0.0), 1.0)
+        if abs(t - before) <= 1e-9:
+            break
+    return t, x
 
 
 @inlined
