@@ -5,6 +5,8 @@ stale machine code and give silently wrong physics (seen with numba 0.68.1). So 
 in a folder whose name is a hash of every source file of ``core``, of the versions that matter and of the CPU.
 
 ``jit``     small helpers: compiled lazily, inlined by LLVM into the entry that calls them, never cached alone.
+``bare``    the same for what handles no reference to an array: nothing is counted.
+``inlined`` such a helper that is short and called often.
 ``entry``   the few fat kernels that Python calls: cached on disk, they release the GIL.
 """
 

@@ -159,6 +159,7 @@ def soft_step(
             pairs = update_pairs(tree, cache, bodies, kinds, lists[AWAKE], awake, dt)
             if pairs > cache.pairs.shape[0]:
                 close_soft_ledger(bodies, n, gravity, ledger)
+                keep_states(bodies, lists[AWAKE], awake)
                 return MORE_PAIRS, done, pairs
             for k in range(cache.counts[BEGUN]):
                 clear_manifold(soft.manifolds, soft.meta, soft.reports, cache.begun[k, SLOT] + 1)
@@ -177,6 +178,7 @@ def soft_step(
             )
             if impacts > contacts.shape[0]:
                 close_soft_ledger(bodies, n, gravity, ledger)
+                keep_states(bodies, lists[AWAKE], awake)
                 return MORE_CONTACTS, done, impacts
             if impacts > 0:
                 bounce(
@@ -186,6 +188,7 @@ def soft_step(
         blocks = arrange_blocks(kinds, soft, scratch, active, n)
         if blocks * s.FIELDS > soft.blocks.shape[0]:
             close_soft_ledger(bodies, n, gravity, ledger)
+            keep_states(bodies, lists[AWAKE], awake)
             return MORE_BLOCKS, done, blocks
         touching = list_touching(
             kinds, soft.manifolds, soft.meta, soft.pose, scratch.active, active, lists, scratch.normals
@@ -244,7 +247,8 @@ def close_soft_ledger(bodies, n, gravity, ledger):
 def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity, g, dt, h):
     """Look at bodies that were added or changed from outside since the last call, and wake what they are part of.
 
-    Where views of the state have been handed out, bodies that sleep or never move are compared with what they were.
+    Where views of the state have been handed out, bodies are compared with what they were: those that sleep or never
+    move, to wake; others that are elsewhere now have their manifolds looked for anew.
     """
     for i in range(counts[N_KNOWN], n):
         lists[EDITED, counts[N_EDITED]] = i
@@ -256,9 +260,14 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
         for k in range(counts[N_EDITED]):
             lists[RESTLESS, lists[EDITED, k]] = 1
         for i in range(n):
-            if (kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]) and not lists[RESTLESS, i] and was_changed(bodies, i):
-                lists[EDITED, counts[N_EDITED]] = i
-                counts[N_EDITED] += 1
+            if lists[RESTLESS, i]:
+                continue
+            if kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]:
+                if was_changed(bodies, i):
+                    lists[EDITED, counts[N_EDITED]] = i
+                    counts[N_EDITED] += 1
+            elif was_moved(bodies, i):
+                pose[i + 1, s.POSE_MOTION] += EDITED_MOTION
     if counts[N_EDITED] > 0:
         # whatever touches a body that was changed has to notice
         for i in range(n):
@@ -287,11 +296,19 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
 @jit
 def was_changed(bodies, i):
     """Whether position, orientation or velocities of body i are not those that were kept."""
-    for c in range(7):
-        if bodies[i, LAST + c] != bodies[i, POSITION + c]:
-            return True
+    if was_moved(bodies, i):
+        return True
     for c in range(6):
         if bodies[i, LAST + 7 + c] != bodies[i, V + c]:
+            return True
+    return False
+
+
+@jit
+def was_moved(bodies, i):
+    """Whether position or orientation of body i are not those that were kept."""
+    for c in range(7):
+        if bodies[i, LAST + c] != bodies[i, POSITION + c]:
             return True
     return False
 
