@@ -200,7 +200,7 @@ def best_face(A, B, hulls, wa, wb, least, slack):
     f, m, s = _best_of(A, B, hulls, wb, least)
     if f >= 0:
         face, n, best = f, m, s
-    f, m, s = _best_of(B, A, hulls, wa, max(least, best) + slack)
+    f, m, s = _best_of(B, A, hulls, wa, max(least, best + slack))
     if f >= 0:
         face, owner, n, best = f, 1, -m, s
     return face, owner, n, best
