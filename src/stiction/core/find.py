@@ -6,16 +6,19 @@ from stiction.core import soft_rows as s
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.jit import jit
 from stiction.core.manifolds import (
+    hint_of,
     is_kept,
     look_of,
     margin_of,
     refresh_manifold,
+    see_nothing,
     take_points,
 )
 from stiction.core.pairs import PAIR_A, PAIR_B, SLOT, is_sensed
 from stiction.core.sleep import wake_island
-from stiction.core.state import ASLEEP, DYNAMIC, MOBILITY, SEPARATION
+from stiction.core.state import ASLEEP, DYNAMIC, MOBILITY, NORMAL, SEPARATION
 from stiction.core.team import take_piece
+from stiction.core.vec import vec3
 
 HAS_POINTS = 3
 """Column of the active manifolds in which those of all pairs say whether they have any; later it is their colour."""
@@ -49,15 +52,20 @@ def update_manifolds(
             if not is_kept(kinds, a, b, pose, meta, row):
                 needed = margin_of(pose, kinds, a, b)
                 margin = needed + look_of(pose, kinds, a, b)
-                found = pair_contacts(bodies, kinds, a, b, margin, contacts, tags, 0, points, boxes_meet, hulls)
-                nearest = margin
-                for c in range(found):
-                    nearest = min(nearest, contacts[c, SEPARATION])
-                if nearest > needed:
-                    found, margin = 0, nearest
-                take_points(
-                    bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow
+                hint = hint_of(kinds, a, b, manifolds, meta, pose, row)
+                found, toward, nearest = pair_contacts(
+                    bodies, kinds, a, b, margin, hint, contacts, tags, 0, points, boxes_meet, hulls
                 )
+                if found > 0:
+                    nearest, toward = margin, vec3(contacts, 0, NORMAL)
+                    for c in range(found):
+                        nearest = min(nearest, contacts[c, SEPARATION])
+                if found == 0 or nearest > needed:
+                    see_nothing(manifolds, meta, reports, pose, a, b, row, nearest, toward)
+                else:
+                    take_points(
+                        bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow
+                    )
             if meta[row, s.POINTS] > 0.0:
                 refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row)
                 active[k, HAS_POINTS] = 1

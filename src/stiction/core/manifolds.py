@@ -16,7 +16,7 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.collide.manifold import ROUND
 from stiction.core.contact_space import contact_basis
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.state import (
     DYNAMIC_MU,
     FEATURE,
@@ -54,11 +54,16 @@ STILL_PART = 1e-3
 SAME_PLACE = 0.1
 """Of the patch's size: a point without a partner of the same feature inherits from the nearest old one this close."""
 ISOTROPIC = 1e-3
+EDITED_MOTION, FARTHEST = 1.0, 0.9
+"""m, by which a body counts as moved that was changed from outside; a pair is looked at again after less, however far
+apart it is."""
+FORGOTTEN = 0.5
+"""Of the smaller body's reach: after so much motion the last direction of a pair is no hint any more."""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
 
 
-@jit
+@bare
 def clear_manifold(manifolds, meta, reports, row):
     """Nothing is known of a new pair."""
     for k in range(s.MANIFOLD_WIDTH):
@@ -71,7 +76,7 @@ def clear_manifold(manifolds, meta, reports, row):
     manifolds[row, s.FRESH] = s.NEW
 
 
-@jit
+@bare
 def smaller_reach(pose, kinds, a, b):
     """Reach of the smaller of two bodies, m; a plane is larger than anything."""
     if kinds[a, SHAPE] == PLANE:
@@ -81,7 +86,7 @@ def smaller_reach(pose, kinds, a, b):
     return min(pose[a + 1, s.POSE_REACH], pose[b + 1, s.POSE_REACH])
 
 
-@jit
+@bare
 def is_kept(kinds, a, b, pose, meta, row):
     """Whether the narrow phase would find what the manifold already has."""
     moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.SEEN]
@@ -90,30 +95,45 @@ def is_kept(kinds, a, b, pose, meta, row):
     return meta[row, s.AHEAD] - moved >= margin_of(pose, kinds, a, b)
 
 
-@jit
+@bare
 def margin_of(pose, kinds, a, b):
     """How far ahead contact points are needed in this step, m."""
     speculative = min(SPECULATIVE, SMALL * smaller_reach(pose, kinds, a, b))
     return speculative + pose[a + 1, s.POSE_MARGIN] + pose[b + 1, s.POSE_MARGIN]
 
 
-@jit
+@bare
 def look_of(pose, kinds, a, b):
     """How far beyond that contact points are looked for, m."""
     return min(LOOK, 2.0 * SMALL * smaller_reach(pose, kinds, a, b))
 
 
-@jit
-def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin, contacts, tags, found, table, slow):
+@bare
+def hint_of(kinds, a, b, manifolds, meta, pose, row):
+    """The direction from a to b that the narrow phase found last for this pair, world; zero if there is none, or if the
+    bodies have moved so far since that it says little."""
+    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.SEEN]
+    if moved > FORGOTTEN * smaller_reach(pose, kinds, a, b):
+        return Vec3(0.0, 0.0, 0.0)
+    return mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
+
+
+@bare
+def see_nothing(manifolds, meta, reports, pose, a, b, row, gap, toward):
+    """The pair has no points; its bodies are ``gap`` apart at least. ``toward`` is kept as the next hint."""
+    meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
+    meta[row, s.AHEAD] = min(gap, FARTHEST)
+    meta[row, s.POINTS] = 0
+    manifolds[row, s.FRESH] = s.NEW
+    put_vec3(manifolds, row, s.NORMAL_A, transpose(mat33(pose, a + 1, s.POSE_ROTATION)) @ toward)
+    for k in range(4):
+        reports[row, s.LIFT + k] = 0.0
+
+
+@bare
+def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow):
     """Make the manifold anew from ``found`` contact points; ``slow`` (m/s) is the slip below which it begins stuck."""
     meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
-    meta[row, s.AHEAD] = margin
-    if found == 0:
-        meta[row, s.POINTS] = 0
-        manifolds[row, s.FRESH] = s.NEW
-        for k in range(4):
-            reports[row, s.LIFT + k] = 0.0
-        return
     Ra, Rb = mat33(pose, a + 1, s.POSE_ROTATION), mat33(pose, b + 1, s.POSE_ROTATION)
     xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
     n = vec3(contacts, 0, NORMAL)
@@ -217,7 +237,7 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, margin
         put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
 
 
-@jit
+@bare
 def velocity_before(bodies, kinds, i):
     """Velocities of body i as the step begins; a kinematic one takes up those it has been told in the course of it."""
     if kinds[i, MOBILITY] == KINEMATIC:
@@ -225,7 +245,7 @@ def velocity_before(bodies, kinds, i):
     return vec3(bodies, i, V), vec3(bodies, i, W)
 
 
-@jit
+@bare
 def set_coefficients(kinds, table, a, b, manifolds, row):
     """The pair's row of the table."""
     i, j = kinds[a, MATERIAL], kinds[b, MATERIAL]
@@ -234,7 +254,7 @@ def set_coefficients(kinds, table, a, b, manifolds, row):
     manifolds[row, s.ROLLING], manifolds[row, s.TORSIONAL] = table[i, j, ROLLING], table[i, j, TORSIONAL]
 
 
-@jit
+@bare
 def belt_velocity(bodies, pose, a, b):
     """Velocity of the surface of a relative to its body, less that of b, world, m/s."""
     return (
@@ -243,7 +263,7 @@ def belt_velocity(bodies, pose, a, b):
     )  # fmt: skip
 
 
-@jit
+@bare
 def refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row):
     """What changes from step to step: the arms to the anchor, how far b is from where it was, and belts."""
     ra = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_A)
@@ -261,7 +281,7 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row):
         manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
 
 
-@jit
+@bare
 def carried_round(bodies, kinds, i, other):
     """How fast the velocity of the surface of kinematic body i changes under a body that moves over it: w x v."""
     if kinds[i, MOBILITY] != KINEMATIC:
@@ -270,7 +290,7 @@ def carried_round(bodies, kinds, i, other):
     return cross(w, vec3(bodies, other, V))
 
 
-@jit
+@bare
 def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
     """Work (J) that kinematic bodies and moving surfaces put in over a step, before the bodies are moved."""
     work = 0.0
@@ -297,7 +317,7 @@ def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
     return work
 
 
-@jit
+@bare
 def measure_patch(contacts, tags, found, center, n, manifolds, row):
     """Second moments of the patch and of its points along its principal axes; returns the first axis, u.
 
@@ -373,13 +393,13 @@ def measure_patch(contacts, tags, found, center, n, manifolds, row):
     return e1 * c + e2 * sn
 
 
-@jit
+@bare
 def _place(contacts, k, center, e1, e2):
     d = vec3(contacts, k, POINT) - center
     return Vec3(dot(d, e1), dot(d, e2), 0.0)
 
 
-@jit
+@bare
 def _triangle(a, b, c):
     """Centroid, signed area and second moments about the origin, per area, of a triangle."""
     area = 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x))

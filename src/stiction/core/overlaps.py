@@ -25,5 +25,5 @@ def bodies_overlap(bodies, kinds, hulls, a, b, points):
     d = vec3(bodies, b, POSITION) - pa
     B = convex_of(bodies, kinds, b, d, hulls)
     limit = A.radius + B.radius + TOUCHING
-    apart, bound, _, _, _ = closest(A, B, hulls, still, d, limit, TOUCHING, 1e-12, points)
+    apart, bound, _, _, _ = closest(A, B, hulls, still, d, limit, TOUCHING, 1e-12)
     return not apart or bound <= limit

@@ -247,7 +247,7 @@ def _overlaps(bodies, kinds, hulls, i, region, points):
     X = convex_of(bodies, kinds, i, vec3(bodies, i, POSITION), hulls)
     limit = X.radius + region.radius + TOUCHING
     still, start = Vec3(0.0, 0.0, 0.0), region.p - X.p
-    apart, bound, _, _, _ = closest(X, region, hulls, still, start, limit, TOUCHING, 1e-12, points)
+    apart, bound, _, _, _ = closest(X, region, hulls, still, start, limit, TOUCHING, 1e-12)
     return not apart or bound <= limit
 
 

@@ -13,7 +13,7 @@ from stiction.core.find import list_manifolds, update_manifolds
 from stiction.core.integrate import first_not_finite, is_number, keep_body, restore_body
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import clear_manifold, drive_work
+from stiction.core.manifolds import EDITED_MOTION, clear_manifold, drive_work
 from stiction.core.pairs import BEGUN, PAIR_A, PAIR_B, PAIRS, SLOT, is_sensed, touch_body, update_pairs
 from stiction.core.sleep import PERIOD, put_to_sleep, wake_island
 from stiction.core.soft_bodies import (
@@ -113,7 +113,8 @@ def soft_step(
     """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason).
 
     When there is no room for a step's pairs, blocks or impacts it returns before that step has changed anything but the
-    manifolds, which are found anew or kept when it is taken again, with the room that is needed; when a body would no longer be finite, with that body, and all bodies as they were before.
+    manifolds, which are found anew or kept when it is taken again, with the room that is needed; when a body would no
+    longer be finite, with that body, and all bodies as they were before.
     ``team``: None, or the :class:`stiction.core.team.Team` whose other workers are in :func:`assist`.
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
@@ -140,6 +141,7 @@ def soft_step(
             pairs = update_pairs(tree, cache, bodies, kinds, lists[AWAKE], awake, dt)
             if pairs > cache.pairs.shape[0]:
                 close_soft_ledger(bodies, n, gravity, ledger)
+                keep_states(bodies, lists[AWAKE], awake)
                 return MORE_PAIRS, done, pairs
             for k in range(cache.counts[BEGUN]):
                 clear_manifold(soft.manifolds, soft.meta, soft.reports, cache.begun[k, SLOT] + 1)
@@ -157,6 +159,7 @@ def soft_step(
         blocks = arrange_blocks(kinds, soft, scratch, active, n)
         if blocks * s.FIELDS > soft.blocks.shape[0]:
             close_soft_ledger(bodies, n, gravity, ledger)
+            keep_states(bodies, lists[AWAKE], awake)
             return MORE_BLOCKS, done, blocks
         impacts = 0
         if bounces is not None:
@@ -166,6 +169,7 @@ def soft_step(
             )
             if impacts > contacts.shape[0]:
                 close_soft_ledger(bodies, n, gravity, ledger)
+                keep_states(bodies, lists[AWAKE], awake)
                 return MORE_CONTACTS, done, impacts
             if impacts > 0:
                 bounce(
@@ -264,7 +268,8 @@ def close_soft_ledger(bodies, n, gravity, ledger):
 def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity, g, dt, h):
     """Look at bodies that were added or changed from outside since the last call, and wake what they are part of.
 
-    Where views of the state have been handed out, bodies that sleep or never move are compared with what they were.
+    Where views of the state have been handed out, bodies are compared with what they were: those that sleep or never
+    move, to wake; others that are elsewhere now have their manifolds looked for anew.
     """
     for i in range(counts[N_KNOWN], n):
         lists[EDITED, counts[N_EDITED]] = i
@@ -276,9 +281,14 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
         for k in range(counts[N_EDITED]):
             lists[RESTLESS, lists[EDITED, k]] = 1
         for i in range(n):
-            if (kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]) and not lists[RESTLESS, i] and was_changed(bodies, i):
-                lists[EDITED, counts[N_EDITED]] = i
-                counts[N_EDITED] += 1
+            if lists[RESTLESS, i]:
+                continue
+            if kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]:
+                if was_changed(bodies, i):
+                    lists[EDITED, counts[N_EDITED]] = i
+                    counts[N_EDITED] += 1
+            elif was_moved(bodies, i):
+                pose[i + 1, s.POSE_MOTION] += EDITED_MOTION
     if counts[N_EDITED] > 0:
         # whatever touches a body that was changed has to notice
         for i in range(n):
@@ -293,7 +303,7 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
                 wake_island(bodies, kinds, n, b)
     for k in range(counts[N_EDITED]):
         i = lists[EDITED, k]
-        pose[i + 1, s.POSE_MOTION] += 1.0  # its manifolds are looked for anew
+        pose[i + 1, s.POSE_MOTION] += EDITED_MOTION  # its manifolds are looked for anew
         begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h)
         keep_body(bodies, i)
         touch_body(cache, i)
@@ -304,11 +314,19 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
 @jit
 def was_changed(bodies, i):
     """Whether position, orientation or velocities of body i are not those that were kept."""
-    for c in range(7):
-        if bodies[i, LAST + c] != bodies[i, POSITION + c]:
-            return True
+    if was_moved(bodies, i):
+        return True
     for c in range(6):
         if bodies[i, LAST + 7 + c] != bodies[i, V + c]:
+            return True
+    return False
+
+
+@jit
+def was_moved(bodies, i):
+    """Whether position or orientation of body i are not those that were kept."""
+    for c in range(7):
+        if bodies[i, LAST + c] != bodies[i, POSITION + c]:
             return True
     return False
 

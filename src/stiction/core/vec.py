@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from numba import types
 from numba.extending import overload
 
-from stiction.core.jit import jit
+from stiction.core.jit import bare, inlined
 
 
 class Vec3(NamedTuple):
@@ -136,7 +136,7 @@ def _matmul(a, b):
     return None
 
 
-@jit
+@inlined
 def _matrix_times_vector(m, v):
     return Vec3(
         m.xx * v.x + m.xy * v.y + m.xz * v.z,
@@ -145,7 +145,7 @@ def _matrix_times_vector(m, v):
     )
 
 
-@jit
+@bare
 def _matrix_times_matrix(a, b):
     return Mat33(
         a.xx * b.xx + a.xy * b.yx + a.xz * b.zx,
@@ -163,19 +163,19 @@ def _matrix_times_matrix(a, b):
 # --- vectors ---------------------------------------------------------------------------------------------------------
 
 
-@jit
+@inlined
 def dot(a, b):
     """a . b"""
     return a.x * b.x + a.y * b.y + a.z * b.z
 
 
-@jit
+@inlined
 def cross(a, b):
     """a x b"""
     return Vec3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
 
 
-@jit
+@inlined
 def length(a):
     """|a|, of one vector only (scalar square root)."""
     return math.sqrt(a.x * a.x + a.y * a.y + a.z * a.z)
@@ -184,13 +184,13 @@ def length(a):
 # --- matrices --------------------------------------------------------------------------------------------------------
 
 
-@jit
+@bare
 def columns(a, b, c):
     """The matrix whose columns are a, b, c."""
     return Mat33(a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z)
 
 
-@jit
+@inlined
 def column(m, k):
     """Column k (0, 1, 2) of m, for one matrix only (branches)."""
     if k == 0:
@@ -200,13 +200,13 @@ def column(m, k):
     return Vec3(m.xz, m.yz, m.zz)
 
 
-@jit
+@inlined
 def transpose(m):
     """m^T"""
     return Mat33(m.xx, m.yx, m.zx, m.xy, m.yy, m.zy, m.xz, m.yz, m.zz)
 
 
-@jit
+@bare
 def inverse(m):
     """m^-1 by cofactors; meant for well conditioned matrices such as K and inertia tensors."""
     a = m.yy * m.zz - m.yz * m.zy
@@ -223,7 +223,7 @@ def inverse(m):
 # --- rotations -------------------------------------------------------------------------------------------------------
 
 
-@jit
+@bare
 def rotation(q):
     """The matrix R of a unit quaternion: R @ v turns v from the body's axes into the world's."""
     xx, yy, zz = q.x * q.x, q.y * q.y, q.z * q.z
@@ -237,7 +237,7 @@ def rotation(q):
     )  # fmt: skip
 
 
-@jit
+@bare
 def turn(q, angle):
     """q after the rotation vector ``angle`` (rad, world axes): the exponential map, for one body only."""
     a = math.sqrt(angle.x * angle.x + angle.y * angle.y + angle.z * angle.z)
@@ -247,7 +247,7 @@ def turn(q, angle):
     return Quat(n * p.w, n * p.x, n * p.y, n * p.z)
 
 
-@jit
+@bare
 def congruent(r, m):
     """R M R^T: a tensor from body axes to world axes."""
     return r @ m @ transpose(r)
@@ -256,19 +256,19 @@ def congruent(r, m):
 # --- pieces of a row: quantity that starts in column k of row i of an (n, width) matrix ------------------------------
 
 
-@jit
+@inlined
 def vec3(a, i, k):
     """The vector in columns k to k + 2 of row i."""
     return Vec3(a[i, k], a[i, k + 1], a[i, k + 2])
 
 
-@jit
+@inlined
 def quat(a, i, k):
     """The quaternion in columns k to k + 3 of row i."""
     return Quat(a[i, k], a[i, k + 1], a[i, k + 2], a[i, k + 3])
 
 
-@jit
+@inlined
 def mat33(a, i, k):
     """The matrix in columns k to k + 8 of row i."""
     return Mat33(
@@ -278,19 +278,19 @@ def mat33(a, i, k):
     )  # fmt: skip
 
 
-@jit
+@inlined
 def put_vec3(a, i, k, v):
     """Store a vector in columns k to k + 2 of row i."""
     a[i, k], a[i, k + 1], a[i, k + 2] = v.x, v.y, v.z
 
 
-@jit
+@bare
 def put_quat(a, i, k, q):
     """Store a quaternion in columns k to k + 3 of row i."""
     a[i, k], a[i, k + 1], a[i, k + 2], a[i, k + 3] = q.w, q.x, q.y, q.z
 
 
-@jit
+@bare
 def put_mat33(a, i, k, m):
     """Store a matrix in columns k to k + 8 of row i."""
     a[i, k], a[i, k + 1], a[i, k + 2] = m.xx, m.xy, m.xz

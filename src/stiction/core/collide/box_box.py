@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from stiction.core.collide.manifold import emit, reduce
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.vec import Vec3, column, cross, dot, rotation, transpose
 
 FACE_PREFERENCE = 0.005
@@ -18,34 +18,41 @@ PARALLEL = 1e-8
 """Edges whose cross product is shorter than the root of this are parallel: their axis is that of a face."""
 
 
-@jit
+@bare
 def _get(v, k):
     return v.x if k == 0 else (v.y if k == 1 else v.z)
 
 
-@jit
+@bare
 def _reach(half, c):
     """Half the extent of a box along an axis whose components in the box's axes are c."""
     return half.x * abs(c.x) + half.y * abs(c.y) + half.z * abs(c.z)
 
 
-@jit
+@bare
 def _octant(v):
     """A bit for each component above 0."""
     return (1 if v.x > 0.0 else 0) | (2 if v.y > 0.0 else 0) | (4 if v.z > 0.0 else 0)
 
 
-@jit
-def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points):
+@bare
+def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, points):
     """Feature of a point: axis (0 to 14), then incident face and corner or clip edge, or both edges.
 
-    ``points`` is scratch, (16, 5).
+    ``hint`` is a direction in which b may be found, of any length, or zero: it is tried first. Returns the new count,
+    and, with no new point, a direction along which they are apart, and how far. ``points`` is scratch, (16, 5).
     """
     Ra = rotation(qa)
     Rb = rotation(qb)
     RaT = transpose(Ra)
     RbT = transpose(Rb)
     d = pb - pa
+    size = dot(hint, hint)
+    if size > 0.0:
+        e = hint * (1.0 / math.sqrt(size))
+        separation = dot(d, e) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
+        if separation > margin:
+            return count, e, separation
 
     face, best_face, face_normal = -1, -math.inf, d
     slack = FACE_PREFERENCE * min(min(ha.x, min(ha.y, ha.z)), min(hb.x, min(hb.y, hb.z)))
@@ -54,7 +61,7 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
         s = dot(d, e)
         separation = abs(s) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
         if separation > margin:
-            return count
+            return count, e if s > 0.0 else -e, separation
         if separation > best_face + slack:
             face, best_face, face_normal = k, separation, e if s > 0.0 else -e
     edge, best_edge, edge_normal = -1, -math.inf, d
@@ -67,7 +74,7 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
                 s = dot(d, e)
                 separation = abs(s) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
                 if separation > margin:
-                    return count
+                    return count, e if s > 0.0 else -e, separation
                 if separation > best_edge:
                     edge, best_edge, edge_normal = 6 + 3 * i + j, separation, e if s > 0.0 else -e
 
@@ -81,14 +88,15 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, points)
             found = reduce(points, found, -face_normal)
     if found == 0 and edge >= 0 and best_edge >= best_face - slack:
         # the edges are clearly nearer, or no corner of the one box lies over the face of the other
-        return _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge)
+        count = _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge)
+        return count, edge_normal, best_edge
     for i in range(found):
         p = Vec3(points[i, 0], points[i, 1], points[i, 2])
         count = emit(contacts, tags, count, a, b, p, face_normal, points[i, 3], int(points[i, 4]))
-    return count
+    return count, face_normal, best_face
 
 
-@jit
+@bare
 def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, separation, axis):
     """The nearest points of the two edges whose cross product is the normal."""
     i, j = (axis - 6) // 3, (axis - 6) % 3
@@ -114,7 +122,7 @@ def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, sepa
     return emit(contacts, tags, count, a, b, point, normal, separation, axis << 8 | edges)
 
 
-@jit
+@bare
 def _clip(pr, Rr, hr, k, n, pi, Ri, hi, margin, points, axis):
     """Clip the face of the incident box that looks most against n to the reference face k; n points out of it.
 

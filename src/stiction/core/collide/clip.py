@@ -7,10 +7,20 @@ from __future__ import annotations
 
 import math
 
-from stiction.core.collide.hulls import POINT, SEGMENT, corner, corner_count, face_plane, facing, vertex
+from stiction.core.collide.hulls import (
+    POINT,
+    SEGMENT,
+    corner,
+    corner_count,
+    face_plane,
+    facing,
+    number_of_two,
+    two_best,
+    vertex,
+)
 from stiction.core.collide.manifold import ROUND
-from stiction.core.jit import jit
-from stiction.core.vec import Vec3, column, cross, dot, length, put_vec3, vec3
+from stiction.core.jit import bare, inlined
+from stiction.core.vec import Vec3, column, cross, dot, length, put_vec3, transpose, vec3
 
 BUFFER = 64
 """Rows of each of the two buffers."""
@@ -26,7 +36,7 @@ PARALLEL = 0.02
 """Lines whose directions differ by less (rad) touch with two points."""
 
 
-@jit
+@bare
 def lowest(X, n):
     """The direction in the caps of a cylinder in which they reach farthest against n; the body's x axis if flat."""
     axis = column(X.R, 2)
@@ -35,7 +45,7 @@ def lowest(X, n):
     return column(X.R, 0) if size < FLAT else d * (1.0 / size)
 
 
-@jit
+@inlined
 def clip_face(F, f, n, X, owner, hulls, margin, points):
     """Points of X over face f of F, whose outward normal is n, up to the margin; returns their number.
 
@@ -99,7 +109,7 @@ def clip_face(F, f, n, X, owner, hulls, margin, points):
     return touching
 
 
-@jit
+@inlined
 def _cut(points, source, n, closed, s, limit, side):
     """Cut a polygon, or an open line, by the half space s . x <= limit into the other buffer; returns its new size."""
     target = BUFFER - source
@@ -122,7 +132,7 @@ def _cut(points, source, n, closed, s, limit, side):
     return kept
 
 
-@jit
+@bare
 def _covers(X, g, m, center, radius, hulls):
     """Whether a disc lies within face g of X, whose normal is m."""
     if X.round:
@@ -140,7 +150,7 @@ def _covers(X, g, m, center, radius, hulls):
     return True
 
 
-@jit
+@bare
 def _disc(X, center, n, p, m, offset, margin, base, points):
     """Four points of the rim of X's disc against the plane m . (x - p) = offset, seen along n.
 
@@ -161,27 +171,24 @@ def _disc(X, center, n, p, m, offset, margin, base, points):
     return found
 
 
-@jit
+@bare
 def _line(X, hulls, n):
-    """The line with which X reaches farthest along n: whether there is one, its ends, and the radius about it."""
-    axis, r = column(X.R, 2), X.radius
-    ok = False
-    if X.round:
-        r = X.scale.x
-    p, q = X.p - axis * X.scale.z, X.p + axis * X.scale.z
+    """The line with which X reaches farthest along n: whether there is one, its ends, the radius about it, and which
+    edge it is."""
     if X.round or X.hull == SEGMENT:
-        return abs(dot(axis, n)) < PARALLEL, p, q, r, 0
-    best, edge = -math.inf, 0
-    first = hulls.spans[X.hull, 4]
-    for e in range(first, first + hulls.spans[X.hull, 5]):
-        u, v = vertex(X, hulls, hulls.edges[e, 0]), vertex(X, hulls, hulls.edges[e, 1])
-        if dot(n, u + v) > best:
-            best, edge, p, q = dot(n, u + v), e - first, u, v
-            ok = abs(dot(n, v - u)) < PARALLEL * length(v - u)
-    return ok, p, q, r, edge
+        axis = column(X.R, 2)
+        h = axis * X.scale.z
+        return abs(dot(axis, n)) < PARALLEL, X.p - h, X.p + h, X.scale.x if X.round else X.radius, 0
+    m, s = transpose(X.R) @ n, X.scale
+    one, other = two_best(hulls, X.hull, Vec3(m.x * s.x, m.y * s.y, m.z * s.z))
+    one, other = min(one, other), max(one, other)
+    first = hulls.spans[X.hull, 0]
+    p, q = vertex(X, hulls, one), vertex(X, hulls, other)
+    ok = one != other and abs(dot(n, q - p)) < PARALLEL * length(q - p)
+    return ok, p, q, X.radius, number_of_two(one - first, other - first)
 
 
-@jit
+@bare
 def clip_lines(A, B, n, sigma, hulls, margin, points):
     """The ends of what two nearly parallel lines have in common, if they touch along it; returns their number, 0 or 2.
 
@@ -189,8 +196,10 @@ def clip_lines(A, B, n, sigma, hulls, margin, points):
     the edges, and whose end it is.
     """
     one, p, q, ra, ea = _line(A, hulls, n)
+    if not one:
+        return 0
     other, u, v, rb, eb = _line(B, hulls, -n)
-    if not (one and other):
+    if not other:
         return 0
     LA, LB = length(q - p), length(v - u)
     e = (q - p) * (1.0 / LA)
@@ -200,7 +209,7 @@ def clip_lines(A, B, n, sigma, hulls, margin, points):
     low, high = max(0.0, min(s0, s1)), min(LA, max(s0, s1))
     if high - low < 0.01 * min(LA, LB):
         return 0
-    base = (3 << 33) | (ea << 18) | (eb << 4)
+    base = (3 << 41) | (ea << 22) | (eb << 4)
     found, best = 0, math.inf
     for k in range(2):
         s = low if k == 0 else high

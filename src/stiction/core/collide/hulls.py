@@ -11,9 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stiction.core.jit import jit
+from stiction.core.jit import bare, inlined
 from stiction.core.state import BOX, CAPSULE, CYLINDER, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
-from stiction.core.vec import Mat33, Vec3, column, dot, quat, rotation, transpose, vec3
+from stiction.core.vec import Mat33, Vec3, column, quat, rotation, transpose, vec3
 
 
 class Hulls(NamedTuple):
@@ -51,7 +51,7 @@ MOST_CORNERS = 32
 """A face of more corners is clipped as the polygon of every second, third... of them."""
 
 
-@jit
+@bare
 def convex_of(bodies, kinds, i, p, hulls):
     """Body i with the origin of its frame at p."""
     s = vec3(bodies, i, SIZE)
@@ -77,14 +77,14 @@ def convex_of(bodies, kinds, i, p, hulls):
     return Convex(p, R, s, radius, small, hull, shape == CYLINDER)
 
 
-@jit
+@inlined
 def vertex(X, hulls, i):
     """Vertex of row i, where the shape is."""
     v = hulls.vertices
     return X.p + X.R @ Vec3(v[i, 0] * X.scale.x, v[i, 1] * X.scale.y, v[i, 2] * X.scale.z)
 
 
-@jit
+@bare
 def shrunk(X, hulls, factor):
     """The core, smaller by a factor, about the middle of its vertices."""
     s, rest = X.scale, 1.0 - factor
@@ -93,32 +93,57 @@ def shrunk(X, hulls, factor):
     return Convex(p, X.R, s * factor, X.radius, X.small, X.hull, X.round)
 
 
-@jit
-def support(X, hulls, n):
-    """The point of the core that lies farthest along n (world axes, any length)."""
-    m = transpose(X.R) @ n
+@inlined
+def reach_point(X, hulls, m):
+    """The point of the core that lies farthest along m; both in the axes of the shape and from its origin.
+
+    The cube, the segment and the point are the corners (+-1, +-1, +-1) of the scale.
+    """
+    s = X.scale
     if X.round:
         across = math.sqrt(m.x * m.x + m.y * m.y)
-        s = X.scale.x / across if across > 0.0 else 0.0
-        return X.p + X.R @ Vec3(m.x * s, m.y * s, math.copysign(X.scale.z, m.z))
-    x, y, z = m.x * X.scale.x, m.y * X.scale.y, m.z * X.scale.z
+        f = s.x / across if across > 0.0 else 0.0
+        return Vec3(m.x * f, m.y * f, math.copysign(s.z, m.z))
+    if X.hull <= POINT:
+        return Vec3(s.x if m.x > 0.0 else -s.x, s.y if m.y > 0.0 else -s.y, s.z if m.z > 0.0 else -s.z)
+    x, y, z = m.x * s.x, m.y * s.y, m.z * s.z
     v = hulls.vertices
     first = hulls.spans[X.hull, 0]
     farthest, best = first, -math.inf
     for i in range(first, first + hulls.spans[X.hull, 1]):
         h = x * v[i, 0] + y * v[i, 1] + z * v[i, 2]
+        farthest, best = (i, h) if h > best else (farthest, best)
+    return Vec3(v[farthest, 0] * s.x, v[farthest, 1] * s.y, v[farthest, 2] * s.z)
+
+
+@inlined
+def support(X, hulls, n):
+    """The point of the core that lies farthest along n (world axes, any length)."""
+    return X.p + X.R @ reach_point(X, hulls, transpose(X.R) @ n)
+
+
+@bare
+def two_best(hulls, hull, m):
+    """The vertices of a hull of the table, by row, that lie farthest and second farthest along m: the ends of an edge."""
+    v = hulls.vertices
+    first = hulls.spans[hull, 0]
+    one, other, best, next_best = first, first, -math.inf, -math.inf
+    for i in range(first, first + hulls.spans[hull, 1]):
+        h = m.x * v[i, 0] + m.y * v[i, 1] + m.z * v[i, 2]
         if h > best:
-            farthest, best = i, h
-    return vertex(X, hulls, farthest)
+            one, other, best, next_best = i, one, h, best
+        elif h > next_best:
+            other, next_best = i, h
+    return one, other
 
 
-@jit
+@inlined
 def face_count(X, hulls):
     """Flat faces: the two caps of a cylinder, those of the hull, none of a sphere and a capsule."""
     return 2 if X.round else hulls.spans[X.hull, 3]
 
 
-@jit
+@inlined
 def face_plane(X, hulls, f):
     """Outward normal of face f in world axes, and its distance from the origin of the shape's frame."""
     if X.round:
@@ -129,18 +154,22 @@ def face_plane(X, hulls, f):
     return X.R @ m, hulls.planes[i, 3] * (m.x * m.x * X.scale.x + m.y * m.y * X.scale.y + m.z * m.z * X.scale.z)
 
 
-@jit
+@bare
 def facing(X, hulls, n):
     """The face whose normal is nearest to n, -1 if there are no faces."""
+    m = transpose(X.R) @ n
+    if X.round:
+        return 0 if m.z > 0.0 else 1
     face, best = -1, -math.inf
-    for f in range(face_count(X, hulls)):
-        m, _ = face_plane(X, hulls, f)
-        if dot(m, n) > best:
-            face, best = f, dot(m, n)
+    planes = hulls.planes
+    first = hulls.spans[X.hull, 2]
+    for i in range(first, first + hulls.spans[X.hull, 3]):
+        h = planes[i, 0] * m.x + planes[i, 1] * m.y + planes[i, 2] * m.z
+        face, best = (i - first, h) if h > best else (face, best)
     return face
 
 
-@jit
+@inlined
 def corner_count(X, hulls, f):
     """Corners of face f, as it is clipped."""
     if X.round:
@@ -150,7 +179,7 @@ def corner_count(X, hulls, f):
     return (m + stride - 1) // stride
 
 
-@jit
+@inlined
 def corner(X, hulls, f, k, u):
     """Corner k of face f, counter-clockwise seen from outside; u is the direction of a disc's corner 0."""
     if X.round:
@@ -162,3 +191,9 @@ def corner(X, hulls, f, k, u):
     row = hulls.spans[X.hull, 2] + f
     m = hulls.loops[row, 1]
     return vertex(X, hulls, hulls.corners[hulls.loops[row, 0] + k * ((m + MOST_CORNERS - 1) // MOST_CORNERS)])
+
+
+@bare
+def number_of_two(i, j):
+    """One number of two vertices, in either order; huge hulls repeat it."""
+    return (min(i, j) & 511) << 9 | (max(i, j) & 511)

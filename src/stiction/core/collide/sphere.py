@@ -1,27 +1,31 @@
-"""Contacts of a sphere: with a sphere, a box, a cylinder and a plane. One point each."""
+"""Contacts of a sphere: with a sphere, a box, a cylinder and a plane. One point each.
+
+All but the last also return the separation, whatever the margin.
+"""
 
 from __future__ import annotations
 
 import math
 
 from stiction.core.collide.manifold import emit
-from stiction.core.jit import jit
+from stiction.core.jit import bare
 from stiction.core.vec import Vec3, dot, length, rotation, transpose
 
 
-@jit
+@bare
 def sphere_sphere(contacts, tags, count, a, pa, ra, b, pb, rb, margin):
     """The point half way between the surfaces, on the line of centres."""
     d = pb - pa
     distance = length(d)
     separation = distance - ra - rb
     if separation > margin:
-        return count
+        return count, separation
     normal = d * (1.0 / distance) if distance > 0.0 else Vec3(0.0, 0.0, 1.0)
-    return emit(contacts, tags, count, a, b, pa + normal * (ra + 0.5 * separation), normal, separation, 0)
+    point = pa + normal * (ra + 0.5 * separation)
+    return emit(contacts, tags, count, a, b, point, normal, separation, 0), separation
 
 
-@jit
+@bare
 def sphere_box(contacts, tags, count, a, pa, radius, b, pb, qb, half, margin):
     """The point of the box nearest to the centre; from inside, the face that is nearest."""
     R = rotation(qb)
@@ -34,7 +38,7 @@ def sphere_box(contacts, tags, count, a, pa, radius, b, pb, qb, half, margin):
     if distance > 0.0:
         separation = distance - radius
         if separation > margin:
-            return count
+            return count, separation
         outward = d * (1.0 / distance)
     else:
         gx, gy, gz = half.x - abs(c.x), half.y - abs(c.y), half.z - abs(c.z)
@@ -48,10 +52,11 @@ def sphere_box(contacts, tags, count, a, pa, radius, b, pb, qb, half, margin):
             outward = Vec3(0.0, 0.0, math.copysign(1.0, c.z))
             separation = -gz - radius
     normal = -(R @ outward)
-    return emit(contacts, tags, count, a, b, pa + normal * (radius + 0.5 * separation), normal, separation, 0)
+    point = pa + normal * (radius + 0.5 * separation)
+    return emit(contacts, tags, count, a, b, point, normal, separation, 0), separation
 
 
-@jit
+@bare
 def sphere_plane(contacts, tags, count, a, pa, radius, b, n, offset, margin):
     """``n`` and ``offset`` of the plane in world coordinates."""
     separation = dot(n, pa) - offset - radius
@@ -60,7 +65,7 @@ def sphere_plane(contacts, tags, count, a, pa, radius, b, n, offset, margin):
     return emit(contacts, tags, count, a, b, pa - n * (radius + 0.5 * separation), -n, separation, 0)
 
 
-@jit
+@bare
 def sphere_cylinder(contacts, tags, count, a, pa, radius, b, pb, qb, size, margin):
     """The point of the cylinder nearest to the centre; from inside, the cap or the side, whichever is nearer."""
     R = rotation(qb)
@@ -79,6 +84,7 @@ def sphere_cylinder(contacts, tags, count, a, pa, radius, b, pb, qb, size, margi
         outward = (u * beyond + up * above) * (1.0 / distance)
     separation = distance - radius
     if separation > margin:
-        return count
+        return count, separation
     normal = -(R @ outward)
-    return emit(contacts, tags, count, a, b, pa + normal * (radius + 0.5 * separation), normal, separation, 0)
+    point = pa + normal * (radius + 0.5 * separation)
+    return emit(contacts, tags, count, a, b, point, normal, separation, 0), separation
