@@ -134,7 +134,7 @@ class Settings(NamedTuple):
 
 
 SCRATCH = 144
-"""Rows that the narrow phase needs to work in: two buffers of 64 points and a simplex of 4 times 2 rows, and spare."""
+"""Rows that the narrow phase needs to work in: two buffers of 64 points, and spare."""
 
 
 def make_bodies(n: int) -> tuple[np.ndarray, np.ndarray]:
