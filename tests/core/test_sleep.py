@@ -115,6 +115,12 @@ def test_a_crate_that_slides_at_a_millimetre_a_second_never_sleeps() -> None:
     assert world["body"].position[0] == pytest.approx(1e-3 * world.time, rel=1e-3)
 
 
+def test_a_crate_at_rest_falls_asleep_without_friction_too() -> None:
+    world = held_at(0.0, st.Box((1, 1, 1)), 0.5, static=0.0, dynamic=0.0)
+    world.run(5.0)
+    assert asleep(world) == ["body"]
+
+
 def test_a_ball_that_rolls_at_a_millimetre_a_second_never_sleeps() -> None:
     world = held_at(1e-3, st.Sphere(0.5), 0.5, static=0.5, dynamic=0.5)
     for _ in range(40):

@@ -47,7 +47,9 @@ def put_to_sleep(bodies, kinds, awake, count, active, contacts, manifolds, pose,
     for k in range(contacts):
         a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
         driven = _is_driven(bodies, kinds, pose, a) or _is_driven(bodies, kinds, pose, b)
-        if driven or manifolds[row, s.STATE] == s.SLIDING:
+        # without friction nothing ever sticks
+        slides = manifolds[row, s.STATE] == s.SLIDING and manifolds[row, s.MU_D] > 0.0
+        if driven or slides:
             for i in (a, b):
                 if kinds[i, MOBILITY] == DYNAMIC:
                     restless[find_group(group, i)] = 1
