@@ -185,7 +185,7 @@ def test_a_refused_change_changes_nothing(change: dict[str, object], sentence: s
     table = MaterialTable.lecture() if known else MaterialTable()
     before, version = table.copy(), table.version
     with pytest.raises(InvalidInputError) as refusal:
-        table.set_pair("wood", "ice", **change)  # type: ignore[arg-type]
+        table.set_pair("wood", "ice", **change)  # type: ignore[arg-type]  # wrong on purpose
     assert str(refusal.value) == sentence
     assert table == before
     assert table.version == version
@@ -204,10 +204,10 @@ def test_a_name_is_a_text(name: object) -> None:
     table = MaterialTable.lecture()
     before = table.copy()
     for use in (
-        lambda: table.set_pair(name, "ice", static=0.1),  # type: ignore[arg-type]
-        lambda: table.set_pair("ice", name, static=0.1),  # type: ignore[arg-type]
-        lambda: table.add_material(name),  # type: ignore[arg-type]
-        lambda: table.pair("ice", name),  # type: ignore[arg-type]
+        lambda: table.set_pair(name, "ice", static=0.1),  # type: ignore[arg-type]  # wrong on purpose
+        lambda: table.set_pair("ice", name, static=0.1),  # type: ignore[arg-type]  # wrong on purpose
+        lambda: table.add_material(name),  # type: ignore[arg-type]  # wrong on purpose
+        lambda: table.pair("ice", name),  # type: ignore[arg-type]  # wrong on purpose
     ):
         with pytest.raises(InvalidInputError, match="material name must be a non-empty text"):
             use()

@@ -23,8 +23,8 @@ PRECISIONS = {"single": np.float32, "double": np.float64}
 
 
 THINNEST = 3e-5
-"""Least principal moment of inertia that single precision can tell from nothing, a part of mass x reach^2: that of a rod
-whose radius is 1/130 of its half length."""
+"""Least principal moment of inertia that single precision can tell from nothing, a part of mass x reach^2: that of a
+rod whose radius is 1/130 of its half length."""
 
 
 class SoftStore(Store):
@@ -46,7 +46,8 @@ class SoftStore(Store):
         self._tree_is_fresh = False
 
     def add(self, row: dict[int, Any], shape: int, mobility: int, material: int) -> int:
-        """Append a body; one that is thinner than contacts can be solved for gets the inertia of one that is as thin."""
+        """Append a body; one that is thinner than contacts can be solved for gets the inertia of one that is as
+        thin."""
         self._tree_is_fresh = False
         i = super().add(row, shape, mobility, material)
         if mobility == state.DYNAMIC:

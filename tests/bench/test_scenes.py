@@ -230,7 +230,8 @@ def test_lowest_points_of_all_shapes() -> None:
         (Cylinder(0.3, 1.0), lying, 0.3),
         (pyramid, (1.0, 0.0, 0.0, 0.0), 0.3),
     ]
-    scene = _scene_of(*(BenchBody(shape, (0.0, 0.0, 5.0), turn) for shape, turn, _ in shapes))  # type: ignore[arg-type]
+    bodies = [BenchBody(shape, (0.0, 0.0, 5.0), turn) for shape, turn, _ in shapes]  # type: ignore[arg-type]  # a mixed list
+    scene = _scene_of(*bodies)
     low = geometry.lowest(scene, scene.positions, scene.orientations)
     assert low[1:] == pytest.approx([5.0 - depth for *_, depth in shapes])
 

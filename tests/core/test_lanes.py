@@ -570,7 +570,7 @@ def test_plain_lanes_show_what_they_hold_and_do_not_share_memory() -> None:
     rows[1] = 0.0
     np.testing.assert_array_equal(value.values, np.arange(8.0, 16.0))
     with pytest.raises(AttributeError):
-        value.other = 1  # type: ignore[attr-defined]
+        value.other = 1  # type: ignore[attr-defined]  # there is none, on purpose
 
 
 def test_plain_python_runs_the_same_functions_on_numbers() -> None:

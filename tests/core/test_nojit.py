@@ -68,5 +68,5 @@ def test_plain_python_steps_as_the_compiled_kernels_do() -> None:
     assert plain["visits"] == compiled["visits"]
     # it was a world in which something happened
     assert plain["contacts"]
-    assert all(isinstance(v, int) for v in plain["visits"])  # type: ignore[attr-defined]
-    assert sum(plain["visits"]) > 20  # type: ignore[call-overload]
+    assert all(isinstance(v, int) for v in plain["visits"])  # type: ignore[attr-defined]  # a list of ints
+    assert sum(plain["visits"]) > 20  # type: ignore[call-overload]  # a list of ints

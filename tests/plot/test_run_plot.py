@@ -29,7 +29,7 @@ STOP = PUSH / (DYNAMIC * G)
 def pairs(a: str, b: str) -> Any:
     """Coefficients that tell which pair was asked for."""
     table = {("concrete", "wood"): (STATIC, DYNAMIC), ("steel", "wood"): (0.2, 0.1), ("concrete", "steel"): (0.9, 0.8)}
-    static, dynamic = table[tuple(sorted((a, b)))]  # type: ignore[index]
+    static, dynamic = table[tuple(sorted((a, b)))]  # type: ignore[index]  # a pair, sorted
     return SimpleNamespace(static=static, dynamic=dynamic)
 
 

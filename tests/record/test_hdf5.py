@@ -118,9 +118,9 @@ def test_a_body_survives_the_way_through_json(shape: st.Shape) -> None:
     again = shape_from_dict(json.loads(json.dumps(shape_to_dict(shape))))
     assert type(again) is type(shape)
     if isinstance(shape, st.ConvexHull):
-        np.testing.assert_array_equal(again.points, shape.points)  # type: ignore[attr-defined]
+        np.testing.assert_array_equal(again.points, shape.points)  # type: ignore[attr-defined]  # a Shape of that kind
     elif isinstance(shape, st.Plane):
-        np.testing.assert_allclose(again.normal, shape.normal, rtol=1e-15)  # type: ignore[attr-defined]
+        np.testing.assert_allclose(again.normal, shape.normal, rtol=1e-15)  # type: ignore[attr-defined]  # a Shape of that kind
     else:
         assert again == shape
     for mass, fixed in ((2.5, False), (float("inf"), True)):

@@ -98,7 +98,7 @@ def test_a_recording_refuses_what_it_cannot_hold() -> None:
     world = sliding_world()
     for every in (0, -1, 1.5, True):
         with pytest.raises(InvalidInputError, match="every must be a whole number, 1 or more"):
-            Recorder(world, "t", every=every)  # type: ignore[arg-type]
+            Recorder(world, "t", every=every)  # type: ignore[arg-type]  # wrong on purpose
     recorder = Recorder(world, "t")
     world.add(st.Sphere(1.0))
     with pytest.raises(InvalidInputError, match="a recording of 3 bodies must keep them, and the world has 4 now"):

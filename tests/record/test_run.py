@@ -39,7 +39,7 @@ def test_a_chunk_can_be_chosen_and_must_be_a_whole_number() -> None:
     assert calls == [250, 500, 600]
     for chunk in (0, 2.5, True):
         with pytest.raises(InvalidInputError, match="chunk must be a whole number, 1 or more"):
-            run(simulation, chunk=chunk)  # type: ignore[arg-type]
+            run(simulation, chunk=chunk)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_a_run_goes_on_where_the_simulation_stands() -> None:

@@ -378,7 +378,7 @@ def test_a_scene_that_does_not_exist(tmp_path: Path) -> None:
     with pytest.raises(InvalidInputError, match="must be TOML text in UTF-8"):
         load(tmp_path / "binary.toml")
     with pytest.raises(InvalidInputError, match="the scene must be a table of keys and values, got 3"):
-        Scene.from_dict(3)  # type: ignore[arg-type]
+        Scene.from_dict(3)  # type: ignore[arg-type]  # wrong on purpose
 
 
 def test_the_schema_knows_every_key_and_refuses_others() -> None:

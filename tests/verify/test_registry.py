@@ -90,7 +90,7 @@ def test_a_name_given_twice_runs_once() -> None:
 )
 def test_bad_input_is_one_sentence(arguments: dict[str, object], words: str) -> None:
     with pytest.raises(st.InvalidInputError) as error:
-        verify.run(**arguments)  # type: ignore[arg-type]
+        verify.run(**arguments)  # type: ignore[arg-type]  # wrong on purpose
     assert words in str(error.value)
 
 
@@ -110,7 +110,7 @@ def test_known_limits_are_counted_apart(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_a_world_that_blows_up_is_a_row_that_failed(monkeypatch: pytest.MonkeyPatch) -> None:
-    class BlowsUp(made("blows-up", [])):  # type: ignore[misc]
+    class BlowsUp(made("blows-up", [])):  # type: ignore[misc]  # its base is made at run time
         def measure(self, solver: str, dt: float) -> Iterator[verify.Measurement]:
             yield verify.Measurement("before", 0.0, 0.0, 1.0)
             world = st.World(solver=solver, dt=dt)
@@ -130,7 +130,7 @@ def test_a_world_that_blows_up_is_a_row_that_failed(monkeypatch: pytest.MonkeyPa
 
 
 def test_an_iteration_limit_is_a_note_on_the_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Stops(made("stops", [])):  # type: ignore[misc]
+    class Stops(made("stops", [])):  # type: ignore[misc]  # its base is made at run time
         def measure(self, solver: str, dt: float) -> Iterator[verify.Measurement]:
             world = st.World(solver=solver, dt=dt, iterations=1)
             world.add(st.Plane(), static=True)

@@ -2,12 +2,12 @@
 contacts at once.
 
 A value is an LLVM vector ``<8 x float>`` or ``<8 x double>``; an operator is one vector instruction (two, where the
-machine's registers are half as wide). Scalars mix with lanes and are the same in all of them. A comparison gives a mask,
-``select`` chooses by it lane by lane; nothing branches on a value but ``any_of`` and ``all_of``, which say whether a
-branch is worth taking for some of the eight.
+machine's registers are half as wide). Scalars mix with lanes and are the same in all of them. A comparison gives a
+mask, ``select`` chooses by it lane by lane; nothing branches on a value but ``any_of`` and ``all_of``, which say
+whether a branch is worth taking for some of the eight.
 
-Every function here also has a body in plain Python, which is what runs under ``NUMBA_DISABLE_JIT=1``: there a value is a
-:class:`Lanes`, eight numbers in an array. The compiled twin is attached to the same name below.
+Every function here also has a body in plain Python, which is what runs under ``NUMBA_DISABLE_JIT=1``: there a value
+is a :class:`Lanes`, eight numbers in an array. The compiled twin is attached to the same name below.
 
 Operators may be contracted to a fused multiply-add, which rounds once instead of twice; nothing else is relaxed: not
 the order of sums, and NaN stays NaN.

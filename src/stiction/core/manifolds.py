@@ -44,9 +44,11 @@ SPECULATIVE = 0.005
 """m, points are kept that far ahead besides what velocities ask for, or a twentieth of the smaller body if less."""
 SMALL = 0.05
 LOOK = 0.01
-"""m, and they are looked for still farther ahead, or a tenth of the smaller body, to know for how long nothing will come."""
+"""m, and they are looked for still farther ahead, or a tenth of the smaller body, to know for how long nothing will
+come."""
 KEPT = 5e-4
-"""m, a patch of three or four points is kept while the bodies have moved by less, or a five-hundredth of the smaller."""
+"""m, a patch of three or four points is kept while the bodies have moved by less, or a five-hundredth of the
+smaller."""
 KEPT_PART = 0.002
 STILL = 1e-9
 """m, the same for one or two points, whose normal would turn with a body that rolls; or a part of the smaller one."""

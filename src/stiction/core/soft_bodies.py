@@ -54,8 +54,8 @@ from stiction.core.vec import (
 )
 
 NO_GLIDE, GLIDES, ROLLS, FALLS = range(4)
-"""How a body in contact moves within a substep: with its new velocity; along one plane with the mean; also turning so; or,
-if its contacts carry nothing yet, with the mean of what gravity and forces do."""
+"""How a body in contact moves within a substep: with its new velocity; along one plane with the mean; also turning
+so; or, if its contacts carry nothing yet, with the mean of what gravity and forces do."""
 
 
 @jit

@@ -27,6 +27,7 @@ def _starts(*widths: int) -> list[int]:
 
 # --- manifolds: (m, MANIFOLD_WIDTH); in groups of eight, as they are gathered -----------------------------------------
 
+# fmt: off
 (
     NORMAL_A, TANGENT_A, MU_S, MU_D,  # normal (a to b) and first tangent in the axes of a; the pair's coefficients
     NORMAL_B, TANGENT_B, STATE, OVER,  # the same directions in the axes of b; STUCK or SLIDING; substeps over the limit
@@ -34,11 +35,12 @@ def _starts(*widths: int) -> list[int]:
     PLACE_U, PLACE_V,  # 4 + 4: where the points are in the plane, from the anchor, m
     PULL, SPIN, TORSIONAL, ROLLING, DRIFT_U, RESTITUTION,  # friction (world, N) and torque about n at the anchor, N m
     M_U, M_V, C_U, C_V, ARM, ROUND_CAP, COUNT, FRESH,  # second moments of the patch and of its points, m^2; mean arm
-    SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, rolling torque, N m
-    ARM_B, BELT, DRIFT_V, LEFT,  # anchor from b's centre of mass, m; velocity of the surface of a less that of b, world, m/s;
-    # DRIFT_U, DRIFT_V: how fast that velocity changes because bodies turn that are told to, m/s^2
+    SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, torque, N m
+    ARM_B, BELT, DRIFT_V, LEFT,  # anchor from b's centre of mass, m; velocity of the surface of a less that of b,
+    # world, m/s; DRIFT_U, DRIFT_V: how fast that velocity changes because bodies turn that are told to, m/s^2
     MANIFOLD_WIDTH,
-) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3, 3, 2, 3, 3, 1, 1)  # fmt: skip
+) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3, 3, 2, 3, 3, 1, 1)
+# fmt: on
 
 STUCK, SLIDING = 0.0, 1.0
 """States of a manifold: its static or its dynamic coefficient holds."""
@@ -91,7 +93,8 @@ the anchor in the axes of a and of b, from their centres of mass, m."""
     B_ROLLING, B_ROLL, B_ROLLED,  # length of rolling resistance, m; its torque impulse about u and v, 2; its work, J
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1, 1, 4, 1, 2, 1
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1,
+    1, 4, 1, 2, 1,
 )  # fmt: skip
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------
@@ -104,9 +107,9 @@ AUX_OLD_V, AUX_OLD_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WIDTH = 0, 4, 8, 
 of the inverse inertia in world axes."""
 
 POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_BELT, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
-"""Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far any
-of its points can have gone since the world began, m: displacement + reach x rotation; its farthest point from the origin
-of its frame, m; how far it can come towards another body in this step, m; 1 if its surface moves by itself."""
+"""Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far
+any of its points can have gone since the world began, m: displacement + reach x rotation; its farthest point from the
+origin of its frame, m; how far it can come towards another body in this step, m; 1 if its surface moves by itself."""
 
 
 class Soft(NamedTuple):

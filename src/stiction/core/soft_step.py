@@ -69,9 +69,9 @@ SLOW = 0.375
 """A new contact that slips by less than this part of what gravity gives in a step begins stuck."""
 
 N_AWAKE, N_ACTIVE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, COUNTS = range(9)
-"""Entries of the counts: bodies awake, active manifolds, bodies changed from outside, bodies seen before; whether the list
-of those awake is out of date; steps so far; whether bodies that sleep may have been changed without a word; whether a light body carries a
-heavy one."""
+"""Entries of the counts: bodies awake, active manifolds, bodies changed from outside, bodies seen before; whether the
+list of those awake is out of date; steps so far; whether bodies that sleep may have been changed without a word;
+whether a light body carries a heavy one."""
 
 
 PAIR_CONTACTS = 8
@@ -440,7 +440,8 @@ def any_fresh(manifolds, active, count):
 
 @jit
 def first_bad_row(bodies, kinds, lists, awake, rows, gravity, dt):
-    """A body whose new state would not be finite, or so large that its energy is not, or -1: nothing has been moved yet."""
+    """A body whose new state would not be finite, or so large that its energy is not, or -1: nothing has been moved
+    yet."""
     for k in range(awake):
         i = lists[AWAKE, k]
         if lists[MARK, i]:

@@ -36,7 +36,7 @@ def _starts(*widths: int) -> list[int]:
     V,  # 3, velocity of the centre of mass, m/s
     W,  # 3, angular velocity, rad/s
     CENTER,  # 3, centre of mass in the shape's frame, m
-    SIZE,  # 4, sphere: radius; plane: normal and offset, in the shape's frame; else half lengths of a box around it, hull
+    SIZE,  # 4, sphere: radius; plane: normal and offset, in the shape's frame; else half lengths of its box; hull
     FORCE,  # 3, at the centre of mass, for one step, N
     TORQUE,  # 3, for one step, N m
     INVERSE_MASS,  # 1/kg, 0 unless dynamic
@@ -60,8 +60,8 @@ PUSH, PUSH_TURN = BOUNDS, BOUNDS + 3  # way out of penetration, m and rad
 
 SHAPE, MOBILITY, MATERIAL, LAYER, MASK, SENSOR, ASLEEP, ISLAND, KINDS_WIDTH = range(9)
 """Columns of the bodies' integers, (n, KINDS_WIDTH) int64. MATERIAL is a row of the pair table; two bodies meet if each
-one's LAYER bits are among the other's MASK bits; a SENSOR overlaps and pushes nothing; ASLEEP bodies take no part; ISLAND
-is the lowest body of those that fell asleep together."""
+one's LAYER bits are among the other's MASK bits; a SENSOR overlaps and pushes nothing; ASLEEP bodies take no part;
+ISLAND is the lowest body of those that fell asleep together."""
 
 # --- contacts: (m, CONTACT_WIDTH) float64; "contact coordinates" have the normal first --------------------------------
 

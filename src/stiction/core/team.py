@@ -10,14 +10,16 @@ In plain Python (``NUMBA_DISABLE_JIT=1``) there are no teams. Where ``team`` is 
 from __future__ import annotations
 
 import os
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from llvmlite import ir
+from numba import extending
 from numba.core import cgutils, types
-from numba.extending import intrinsic
 
 from stiction.core.jit import jit
+
+intrinsic: Any = extending.intrinsic  # called with one argument less than it is written with
 
 LINE = 8
 """Words of a cache line: what threads write at the same time lies in lines of its own."""

@@ -6,8 +6,8 @@ is as good as the best direction is the reference, and what lies over it is clip
 A pair that was looked at a moment ago has a direction to begin with. All faces that could be better than it are tried;
 and if the deepest of the points that lie over the best face is as deep as the shapes are along its normal, this is the
 best direction far and wide: with x the point of the one shape and f the foot below it, in the other shape, at height
-h = n . (x - f), sigma(m) <= m . (x - f) = h m . n for any m. Else one climbs from there; the edges of polytopes need not
-be tried in pairs.
+h = n . (x - f), sigma(m) <= m . (x - f) = h m . n for any m. Else one climbs from there; the edges of polytopes need
+not be tried in pairs.
 """
 
 from __future__ import annotations

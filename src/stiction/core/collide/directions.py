@@ -4,9 +4,9 @@ The separation along a direction n is sigma(n) = min of n . (b - a) over the poi
 over all directions is the distance of shapes that are apart, and minus the least translation out of those that overlap.
 
 Apart, GJK finds it. Two polytopes that overlap have it along the normal of a face, or of two edges whose arcs cross on
-the sphere of normals (Gregorius, "The separating axis test between convex polyhedra", GDC 2013). From a direction n that
-is good already one climbs by GJK: B moved out along n until it is a little apart, the direction n' of the distance is at
-least as good, for if the gap of the moved shapes along n is d,
+the sphere of normals (Gregorius, "The separating axis test between convex polyhedra", GDC 2013). From a direction n
+that is good already one climbs by GJK: B moved out along n until it is a little apart, the direction n' of the
+distance is at least as good, for if the gap of the moved shapes along n is d,
 
     sigma(n') >= d - (d - sigma(n)) n . n' >= sigma(n).
 
@@ -193,8 +193,8 @@ def best_face(A, B, hulls, wa, wb, least, slack):
     """The face along whose normal the cores are farthest apart, farther than ``least``: its number, whose it is (0 or
     1), the normal from A to B, and how far. -1 if there are none. Faces of A are better by ``slack`` than those of B.
 
-    Any point of the other shape bounds how far it is from a face: what is bounded by less than the best so far is passed
-    over. So wa and wb, points of A and of B, should be deep in the other shape.
+    Any point of the other shape bounds how far it is from a face: what is bounded by less than the best so far is
+    passed over. So wa and wb, points of A and of B, should be deep in the other shape.
     """
     face, owner, n, best = -1, 0, Vec3(0.0, 0.0, 0.0), -math.inf
     f, m, s = _best_of(A, B, hulls, wb, least)

@@ -124,7 +124,8 @@ def support(X, hulls, n):
 
 @bare
 def two_best(hulls, hull, m):
-    """The vertices of a hull of the table, by row, that lie farthest and second farthest along m: the ends of an edge."""
+    """The vertices of a hull of the table, by row, that lie farthest and second farthest along m: the ends of an
+    edge."""
     v = hulls.vertices
     first = hulls.spans[hull, 0]
     one, other, best, next_best = first, first, -math.inf, -math.inf

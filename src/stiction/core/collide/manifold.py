@@ -44,11 +44,11 @@ def emit(contacts, tags, count, a, b, point, normal, separation, feature):
 def reduce(points, n, normal):
     """Choose four of n candidate points so that the patch keeps its depth and its area; they end up in rows 0 to 3.
 
-    ``points`` is (k, 5): x, y, z, separation, feature. Of the deepest points the outermost one, the one farthest from it
-    in the plane, and on either side of the line between them the one that spans the largest triangle. Depths are told
-    apart only by ``SAME_DEPTH`` of the patch's size, and a point must be better than an earlier one by ``CLEARLY``: so
-    the choice does not flip while a body rocks by micrometres, and yet a thin sheet does not stand on the corners of its
-    upper face.
+    ``points`` is (k, 5): x, y, z, separation, feature. Of the deepest points the outermost one, the one farthest from
+    it in the plane, and on either side of the line between them the one that spans the largest triangle. Depths are
+    told apart only by ``SAME_DEPTH`` of the patch's size, and a point must be better than an earlier one by
+    ``CLEARLY``: so the choice does not flip while a body rocks by micrometres, and yet a thin sheet does not stand on
+    the corners of its upper face.
     """
     if n <= POINTS:
         return n

@@ -35,9 +35,9 @@ def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, poi
 def pair_contacts(bodies, kinds, a, b, margin, hint, contacts, tags, count, points, boxes_meet, hulls):
     """Write up to four contact points of bodies a and b that are no farther apart than ``margin``, from row ``count``.
 
-    ``hint`` is the direction, of any length, from a to b that was found for this pair a moment ago, or zero. Returns the
-    new count, which may exceed the room; and, if there is no new point, a direction to begin with the next time (zero if
-    there is none) and a separation that the bodies have at least. ``points`` is scratch, (SCRATCH, 5).
+    ``hint`` is the direction, of any length, from a to b that was found for this pair a moment ago, or zero. Returns
+    the new count, which may exceed the room; and, if there is no new point, a direction to begin with the next time
+    (zero if there is none) and a separation that the bodies have at least. ``points`` is scratch, (SCRATCH, 5).
 
     ``boxes_meet`` is None in worlds where no box can meet another one, and ``hulls``, the table of the convex hulls, in
     worlds of spheres, boxes and planes: those branches, which are most of the machine code, are then never compiled.

@@ -7,9 +7,10 @@ poor copy of it (a spinning crate stops almost twice too fast); here it is a sex
 
     Phi(g) = S + z^2 + z^2 [ S (a_u x^2 + a_v y^2) + z^2 (b_u x^2 + b_v y^2) ] <= 1,   S = x^2 + y^2
 
-with g = (x, y, z) = (F_u, F_v, T / T_m) / (mu N), (u, v) the principal axes of the pressure, and T_m the torque per mu N
-of pure spinning. Sliding is associated: slip = lambda grad Phi with lambda >= 0, hence friction dissipates as much as it
-can. A point has T_m = 0: then the surface is the circle of Coulomb's law and what is solved is the secular equation.
+with g = (x, y, z) = (F_u, F_v, T / T_m) / (mu N), (u, v) the principal axes of the pressure, and T_m the torque per
+mu N of pure spinning. Sliding is associated: slip = lambda grad Phi with lambda >= 0, hence friction dissipates as
+much as it can. A point has T_m = 0: then the surface is the circle of Coulomb's law and what is solved is the secular
+equation.
 
 All functions run on numbers and on lanes alike.
 """
@@ -150,7 +151,8 @@ def hessian(g, k):
 
 @jit
 def onto_surface(g, k):
-    """g scaled onto the surface: for a g of length one and s the square of the scale, s + B s^3 = 1, by Newton's method.
+    """g scaled onto the surface: for a g of length one and s the square of the scale, s + B s^3 = 1, by Newton's
+    method.
 
     Only a length of one keeps B, which is of sixth order, within bounds.
     """

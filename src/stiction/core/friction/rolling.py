@@ -36,10 +36,11 @@ def resisting_torque(inverse_inertia, B, spin, torque, rolling, torsional, gn):
 
 @jit
 def rolling_impulse(kuu, kuv, kvv, bu, bv, limit):
-    """The angular impulse in the plane that stops the rolling (b_u, b_v) it meets, or of size ``limit`` if that is less.
+    """The angular impulse in the plane that stops the rolling (b_u, b_v) it meets, or of size ``limit`` if that is
+    less.
 
-    ``k`` is the response of the rolling to it, and what remains is opposite to the torque, by the secular equation as in
-    ``secular_friction``; but with a fixed number of steps and without a branch, for numbers and for lanes.
+    ``k`` is the response of the rolling to it, and what remains is opposite to the torque, by the secular equation as
+    in ``secular_friction``; but with a fixed number of steps and without a branch, for numbers and for lanes.
     """
     zero = limit - limit
     alpha = zero

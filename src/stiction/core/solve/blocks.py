@@ -258,8 +258,8 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     put6(blocks, o + s.B_FRICTION, friction)
     inverse = inverse_sym(friction)
     put6(blocks, o + s.B_FRICTION_INVERSE, inverse)
-    # what the normals meet when friction answers by sticking: K_n - H F^-1 H^T, with H the closing and the tilting that a
-    # friction impulse brings along
+    # what the normals meet when friction answers by sticking: K_n - H F^-1 H^T, with H the closing and the tilting
+    # that a friction impulse brings along
     H = Mat33(
         Kvv.xy - py * Kwv.xx, Kvv.xz + px * Kwv.xx, Kwv.xx * Tm,
         Kwv.yy - py * Kww.xy, Kwv.yz + px * Kww.xy, Kww.xy * Tm,

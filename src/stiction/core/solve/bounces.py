@@ -1,7 +1,7 @@
 """Impacts that bounce, before the forces of a step: those of the lecture's solver, on the points of the manifolds.
 
-Soft contacts cannot bounce by themselves: what they push out is damped away. So collisions with restitution are taken as
-in ``micro``: in waves, the worst first, with Coulomb friction, never with more energy after than before. They cost
+Soft contacts cannot bounce by themselves: what they push out is damped away. So collisions with restitution are taken
+as in ``micro``: in waves, the worst first, with Coulomb friction, never with more energy after than before. They cost
 nothing in a step in which no point closes fast enough.
 """
 
@@ -65,7 +65,7 @@ def collect_impacts(bodies, active, count, manifolds, meta, pose, contacts, tags
 @jit
 def bounce(bodies, kinds, n, table, contacts, tags, m, lists, settings, ledger, report, gravity):
     """Resolve the impacts among m contact rows: velocities of the bodies change, nothing else."""
-    order, pairs, first, touching, tree, group, gain, last_ledger, last_report, points = lists
+    _order, _pairs, first, touching, tree, group, gain, _last_ledger, _last_report, _points = lists
     prepare_bodies(bodies, n)
     prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n)
     resolve_impacts(bodies, n, contacts, tags, m, first, touching, tree, group, gain, settings, ledger, report, gravity)

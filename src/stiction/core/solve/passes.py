@@ -65,7 +65,8 @@ def run_passes(
 
 @jit
 def count_rounds(sizes, team):
-    """Colours in use, and one for the manifolds that have none; a leader that is alone takes all blocks in one round."""
+    """Colours in use, and one for the manifolds that have none; a leader that is alone takes all blocks in one
+    round."""
     if team is None:
         return 1
     colours = 0

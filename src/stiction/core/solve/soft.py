@@ -28,8 +28,8 @@ SUBSTEPS = 8
 SWEEPS = 2
 """Alternations of normals and friction within a manifold, where they are not solved together."""
 COLD_PASSES = 8
-"""Passes over new manifolds before the first substep: they have nothing to start from, and would break away by the error
-that is left."""
+"""Passes over new manifolds before the first substep: they have nothing to start from, and would break away by the
+error that is left."""
 STIFFNESS = 0.65
 """omega h of a contact between two bodies that can move; twice that where one of them cannot."""
 DAMPING = 10.0
@@ -39,8 +39,8 @@ PUSH = 3.0
 PATIENCE = 3.0
 """A manifold that sticks may pull beyond the static limit for so many substeps running before it lets go, ..."""
 OVERLOAD = 1.25
-"""... but at once if Phi is above this, which is an eighth too much force: loads that have not converged make the limit a
-noisy one, though not that noisy."""
+"""... but at once if Phi is above this, which is an eighth too much force: loads that have not converged make the
+limit a noisy one, though not that noisy."""
 GRACE, BEYOND_DOUBT = 1.3, 1.69
 """How far beyond the limit friction may go in a cold pass, and its square."""
 ENOUGH = 1e-6
@@ -130,7 +130,8 @@ def push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torq
 
 @jit
 def twist_of(blocks, o, C, va, wa, vb, wb):
-    """Velocity of a against b at the anchor, and their relative spin, in the frame: the lecture's collision velocity."""
+    """Velocity of a against b at the anchor, and their relative spin, in the frame: the lecture's collision
+    velocity."""
     arm_a, arm_b = get3(blocks, o + s.B_ARM_A), get3(blocks, o + s.B_ARM_B)
     wa, wb = C @ wa, C @ wb
     return C @ (va - vb) + cross(wa, arm_a) - cross(wb, arm_b), wa - wb
@@ -164,8 +165,8 @@ def warm_block(i, blocks, index, count, rows):
 def solve_block(i, blocks, index, count, rows, h, cold, rolls):
     """One pass over block i: normals, then friction, twice over.
 
-    In a ``cold`` pass only manifolds that are new take part, and it counts for nothing but the impulses. ``rolls`` is None
-    in worlds without rolling resistance.
+    In a ``cold`` pass only manifolds that are new take part, and it counts for nothing but the impulses. ``rolls`` is
+    None in worlds without rolling resistance.
     """
     o = i * s.FIELDS
     B = frame_of(blocks, o)
