@@ -51,6 +51,7 @@ from stiction.core.vec import (
     rotation,
     turn,
     vec3,
+    wide,
 )
 
 NO_GLIDE, GLIDES, ROLLS, FALLS = range(4)
@@ -122,8 +123,8 @@ def move_rows(moving, first, end, glide, normals, rows, aux, h, last):
             put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) - a * (0.5 * h * h))
         elif glide[i] != NO_GLIDE:
             n = Vec3(normals[i, 0], normals[i, 1], normals[i, 2])
-            dv = _wide(vec3(aux, r, s.AUX_OLD_V) - vec3(rows, r, s.ROW_V))
-            dw = _wide(vec3(aux, r, s.AUX_OLD_W) - vec3(rows, r, s.ROW_W))
+            dv = wide(vec3(aux, r, s.AUX_OLD_V) - vec3(rows, r, s.ROW_V))
+            dw = wide(vec3(aux, r, s.AUX_OLD_W) - vec3(rows, r, s.ROW_W))
             put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) + (dv - n * dot(n, dv)) * (0.5 * h))
             turn = dw if glide[i] == ROLLS else n * dot(n, dw)
             put_vec3(rows, r, s.ROW_TURN, vec3(rows, r, s.ROW_TURN) + turn * (0.5 * h))
@@ -142,21 +143,15 @@ def row_is_finite(rows, r):
 
 
 @jit
-def _wide(v):
-    """In float64, whatever the solver's precision."""
-    return v * 1.0
-
-
-@jit
 def finish_contact(bodies, i, pose, rows, dt, ledger):
     """Take velocities and displacement of a dynamic body in contact over from its row."""
     r = i + 1
     v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
-    v1, w1 = _wide(vec3(rows, r, s.ROW_V)), _wide(vec3(rows, r, s.ROW_W))
+    v1, w1 = wide(vec3(rows, r, s.ROW_V)), wide(vec3(rows, r, s.ROW_W))
     put_vec3(bodies, i, V, v1)
     put_vec3(bodies, i, W, w1)
     enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
-    _go(bodies, i, pose, _wide(vec3(rows, r, s.ROW_D)), _wide(vec3(rows, r, s.ROW_TURN)), dt)
+    _go(bodies, i, pose, wide(vec3(rows, r, s.ROW_D)), wide(vec3(rows, r, s.ROW_TURN)), dt)
 
 
 @jit

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.jit import entry, jit
+from stiction.core.jit import entry
 from stiction.core.pairs import PAIR_A, PAIR_B, SLOT
 from stiction.core.state import (
     BODY_A,
@@ -21,13 +21,7 @@ from stiction.core.state import (
     TOTAL,
     TOTAL_FRICTION,
 )
-from stiction.core.vec import cross, dot, put_vec3, quat, rotation, vec3
-
-
-@jit
-def _wide(a, i, k):
-    """A vector of a row of the solver's precision, in float64."""
-    return vec3(a, i, k) * 1.0
+from stiction.core.vec import cross, dot, put_vec3, quat, rotation, vec3, wide
 
 
 @entry
@@ -46,9 +40,9 @@ def report_contacts(bodies, pairs, count, manifolds, meta, reports, contacts, ta
         Ra, Rb = rotation(quat(bodies, a, ORIENTATION)), rotation(quat(bodies, b, ORIENTATION))
         xa = vec3(bodies, a, POSITION) + Ra @ vec3(bodies, a, CENTER)
         xb = vec3(bodies, b, POSITION) + Rb @ vec3(bodies, b, CENTER)
-        n, u = Ra @ _wide(manifolds, row, s.NORMAL_A), Ra @ _wide(manifolds, row, s.TANGENT_A)
+        n, u = Ra @ wide(vec3(manifolds, row, s.NORMAL_A)), Ra @ wide(vec3(manifolds, row, s.TANGENT_A))
         v = cross(n, u)
-        nb, ub = Rb @ _wide(manifolds, row, s.NORMAL_B), Rb @ _wide(manifolds, row, s.TANGENT_B)
+        nb, ub = Rb @ wide(vec3(manifolds, row, s.NORMAL_B)), Rb @ wide(vec3(manifolds, row, s.TANGENT_B))
         tilt = (cross(n, nb) + cross(u, ub) + cross(v, cross(nb, ub))) * 0.5
         on_a, on_b = xa + Ra @ vec3(meta, row, s.ANCHOR_A), xb + Rb @ vec3(meta, row, s.ANCHOR_B)
         shift = dot(n, on_b - on_a)
@@ -64,7 +58,7 @@ def report_contacts(bodies, pairs, count, manifolds, meta, reports, contacts, ta
         for j in range(points):
             dx, dy = manifolds[row, s.PLACE_U + j] - px, manifolds[row, s.PLACE_V + j] - py
             spread += reports[row, s.TOTAL_LOAD + j] * (dx * dx + dy * dy)
-        pull = _wide(reports, row, s.TOTAL_PULL)
+        pull = wide(vec3(reports, row, s.TOTAL_PULL))
         twist = reports[row, s.TOTAL_TWIST] - (px * dot(pull, v) - py * dot(pull, u))
         # what is left of the spread when one point carries all is rounding
         size2 = manifolds[row, s.C_U] + manifolds[row, s.C_V]

@@ -202,7 +202,7 @@ def soft_step(
             close_soft_ledger(bodies, n, gravity, ledger)
             keep_states(bodies, lists[AWAKE], awake)
             return BLOWN_UP, done, bad
-        store_blocks(bodies, soft.blocks, soft.index, blocks, soft.manifolds, soft.reports, h, dt / SETTLING, ledger)
+        store_blocks(bodies, soft.blocks, soft.members, blocks, soft.manifolds, soft.reports, h, dt / SETTLING, ledger)
         ledger[WORK] += drive_work(
             bodies, kinds, scratch.active, active, soft.manifolds, soft.meta, soft.pose, soft.reports
         )
@@ -362,8 +362,8 @@ def arrange_blocks(kinds, soft, scratch, active, n):
     counts = scratch.counts
     sizes, starts = counts[COUNTS : COUNTS + COLOURS + 1], counts[COUNTS + COLOURS + 1 :]
     blocks = colour_manifolds(scratch.active, active, kinds, scratch.bodies[USED], sizes)
-    if 3 * blocks <= soft.index.shape[0] and blocks * s.FIELDS <= soft.blocks.shape[0]:
-        fill_blocks(scratch.active, active, sizes, starts, soft.index, blocks)
+    if 3 * blocks <= soft.members.shape[0] and blocks * s.FIELDS <= soft.blocks.shape[0]:
+        fill_blocks(scratch.active, active, sizes, starts, soft.members, blocks)
     return blocks
 
 

@@ -263,6 +263,12 @@ def vec3(a, i, k):
 
 
 @inlined
+def wide(v):
+    """A vector in float64, whatever the precision of the rows it is from."""
+    return v * 1.0
+
+
+@inlined
 def quat(a, i, k):
     """The quaternion in columns k to k + 3 of row i."""
     return Quat(a[i, k], a[i, k + 1], a[i, k + 2], a[i, k + 3])

@@ -21,7 +21,7 @@ def run_passes(
     ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, and ``moving`` bodies;
     ``fresh``: whether any manifold is new. Every worker does a share of each colour, and they meet before the next one.
     """
-    blocks, index, manifolds, rows, aux = soft.blocks, soft.index, soft.manifolds, soft.rows, soft.aux
+    blocks, index, manifolds, rows, aux = soft.blocks, soft.members, soft.manifolds, soft.rows, soft.aux
     beta, compliance, beta_stiff, compliance_stiff = softness(h)
     rounds = count_rounds(sizes, team)
     first, last = share(team, worker, 0, count)
