@@ -41,7 +41,9 @@ class SoftStore(Store):
         self.scratch = soft_step.make_scratch(room, pairs, COLOURS)
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
         self.seconds = 0.0
-        self._reported = -1
+        self._table: Array | None = None
+        self._bounces = False
+        self._rolls: int | None = None
         self._edited: set[int] = set()
         self._tree_is_fresh = False
 
@@ -69,24 +71,28 @@ class SoftStore(Store):
         self._edited.clear()
         left = steps
         began = time.perf_counter()
+        if table is not self._table:
+            self._table = table
+            self._bounces = bool(table[:, :, state.RESTITUTION].any())
+            self._rolls = 1 if table[:, :, state.ROLLING].any() else None
+        announce_compilation()
         while left:
             chunk = min(left, max(1, CHUNK // self.n))
             boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
             hulls = self.hulls.arrays if self.polytopes else None
-            bounces = None
-            if table[:, :, state.RESTITUTION].any():
-                bounces = (self.contacts, self.tags, self._impact_lists(), self.report)
-            rolls = 1 if table[:, :, state.ROLLING].any() else None
-            announce_compilation()
-            step = functools.partial(
-                soft_step.soft_step,
+            bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if self._bounces else None
+            given = (
                 chunk, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
-                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces, rolls,
+                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces, self._rolls,
             )  # fmt: skip
-            shared = Arrays(
-                self.bodies, self.kinds, self.cache.pairs, self.soft, self.scratch, table, boxes_meet, hulls, rolls
-            )
-            reason, done, number = self.crew.lead(step, shared)
+            if self.crew.threads == 1:
+                reason, done, number = soft_step.soft_step(*given, None)
+            else:
+                shared = Arrays(
+                    self.bodies, self.kinds, self.cache.pairs, self.soft, self.scratch, table, boxes_meet, hulls,
+                    self._rolls,
+                )  # fmt: skip
+                reason, done, number = self.crew.lead(functools.partial(soft_step.soft_step, *given), shared)
             self.steps += done
             left -= done
             if reason == soft_step.MORE_PAIRS:

@@ -357,7 +357,7 @@ class World(Queries):
                 body=body.name,
                 state=last,
             )
-        if not self._warned and store.report[:, self._state.LIMITS].any():
+        if not self._warned and any(store.report[:, self._state.LIMITS].tolist()):
             self._warn_of_limit()
 
     def run(self, seconds: float) -> None:
