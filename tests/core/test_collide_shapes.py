@@ -459,6 +459,16 @@ def test_shapes_with_one_centre_are_told_a_way_out(rng: np.random.Generator, kin
         assert along(a, b, m.normals[:1])[0] >= 2.0 * best
 
 
+@pytest.mark.parametrize("axis", [(1, 0, 0), (0, 1, 0), (0, 0, 1)])
+def test_a_ball_in_the_middle_of_a_capsule_is_told_to_leave_across_it(axis: tuple[float, float, float]) -> None:
+    world = st.World(solver="micro", gravity=(0, 0, 0))
+    turn = {(1, 0, 0): (1, 0, 1, 0), (0, 1, 0): (1, 1, 0, 0), (0, 0, 1): (1, 0, 0, 0)}[axis]
+    world.add(st.Capsule(0.3, 1.0), static=True, orientation=turn)
+    world.add(st.Sphere(0.2))
+    world.step()
+    assert abs(world.contacts()["normal"][0] @ axis) < 1e-12
+
+
 # --- at rest and rolling ----------------------------------------------------------------------------------------------
 
 BODIES = {

@@ -56,10 +56,14 @@ def capsule_capsule(contacts, tags, count, a, A, b, B, origin, hulls, margin, po
     if distance > 1e-12 * (A.radius + B.radius):
         n = d * (1.0 / distance)
     else:
-        # the axes meet: out across both
+        # the axes meet: out across both, or across the only one
         n = cross(u, v)
         size = length(n)
-        n = n * (1.0 / size) if size > 1e-9 * length(u) * length(v) else perpendicular(u)
+        n = (
+            n * (1.0 / size)
+            if size > 1e-9 * length(u) * length(v)
+            else perpendicular(u if length(u) > length(v) else v)
+        )
         n = n * math.copysign(1.0, dot(n, B.p - A.p))
     found = clip_lines(A, B, n, separation, hulls, margin, points)
     for i in range(found):
