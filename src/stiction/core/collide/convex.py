@@ -42,7 +42,7 @@ GOOD = 1e-8
 """The same for a direction that is improved a little in every step."""
 MOST_EDGE_PAIRS = 16384
 """Larger hulls are lifted instead of trying all pairs of edges."""
-DEEP = 0.25
+DEEP = 0.1
 """Shapes that overlap by more than this part of the least half width are looked at from all sides, ..."""
 CLIMBS, NEARLY = 6, 1e-5
 """... else improving a direction that is known takes so many steps, or ends with a gain below this part of it."""
