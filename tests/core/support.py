@@ -125,18 +125,24 @@ class Manifold:
         return len(self.points)
 
 
+def rows_of(*placed: Placed) -> tuple[Array, NDArray[np.int64]]:
+    """Rows of the bodies and their integers, all of them static."""
+    bodies, kinds = state.make_bodies(len(placed))
+    for i, one in enumerate(placed):
+        bodies[i, state.POSITION : state.POSITION + 3] = one.position
+        bodies[i, state.ORIENTATION : state.ORIENTATION + 4] = one.orientation
+        bodies[i, state.SIZE : state.SIZE + len(one.size)] = one.size
+        kinds[i, :3] = one.shape, state.STATIC, 0
+    return bodies, kinds
+
+
 def contacts_of(first: Placed, second: Placed, margin: float, room: int = 8, hulls: Any = None) -> Manifold:
     """Contact points of two shapes that come within ``margin`` of each other, as the narrow phase finds them.
 
     The first body is dynamic and at rest, so that its margin is all that gravity can make of it in a step of 1 s.
     ``hulls`` is the table of the hulls, needed for all but spheres, boxes and planes.
     """
-    bodies, kinds = state.make_bodies(2)
-    for i, placed in enumerate((first, second)):
-        bodies[i, state.POSITION : state.POSITION + 3] = placed.position
-        bodies[i, state.ORIENTATION : state.ORIENTATION + 4] = placed.orientation
-        bodies[i, state.SIZE : state.SIZE + len(placed.size)] = placed.size
-        kinds[i, :3] = placed.shape, state.STATIC, 0
+    bodies, kinds = rows_of(first, second)
     bodies[0, state.INVERSE_MASS] = 1.0
     kinds[0, state.MOBILITY] = state.DYNAMIC
     contacts, tags = state.make_contacts(room)

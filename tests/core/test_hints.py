@@ -13,7 +13,7 @@ from stiction.core import state
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.vec import Vec3
 
-from .support import Array, Placed, matrix_of, random_unit
+from .support import Array, Placed, matrix_of, random_unit, rows_of
 from .test_collide_shapes import KINDS, TABLE, along, best_separation, least_width, random_pair
 
 PAIRS = [(a, b) for k, a in enumerate(KINDS) for b in KINDS[k:]]
@@ -28,12 +28,8 @@ def _look(bodies: Any, kinds: Any, margin: Any, hint: Any, contacts: Any, tags: 
 
 def look(a: Placed, b: Placed, margin: float, hint: Any = (0.0, 0.0, 0.0)) -> tuple[Array, Array, float]:
     """Rows of contacts, the direction to begin with the next time, and a lower bound of the separation if none."""
-    bodies, kinds = state.make_bodies(2)
-    for i, placed in enumerate((a, b)):
-        bodies[i, state.POSITION : state.POSITION + 3] = placed.position
-        bodies[i, state.ORIENTATION : state.ORIENTATION + 4] = placed.orientation
-        bodies[i, state.SIZE : state.SIZE + len(placed.size)] = placed.size
-        kinds[i, :3] = placed.shape, state.DYNAMIC, 0
+    bodies, kinds = rows_of(a, b)
+    kinds[:, state.MOBILITY] = state.DYNAMIC
     contacts, tags = state.make_contacts(8)
     points = np.full((state.SCRATCH, 5), math.nan)
     found, toward, gap = _look(bodies, kinds, margin, np.array(hint, float), contacts, tags, points, TABLE.arrays)

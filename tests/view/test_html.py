@@ -106,8 +106,8 @@ def page(ramp: Frames, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def decode(page: Path) -> dict[str, Any]:
     """The recording in a page: length, zstandard, length, MessagePack, arrays."""
-    msgpack = pytest.importorskip("msgspec").msgpack
-    zstandard = pytest.importorskip("zstandard")
+    msgpack = pytest.importorskip("msgspec", reason="reads what viser has packed").msgpack
+    zstandard = pytest.importorskip("zstandard", reason="reads what viser has packed")
     found = re.search(r'__VISER_EMBED_DATA__="([^"]+)"', page.read_text(encoding="utf-8"))
     assert found
     raw = base64.b64decode(found.group(1))
