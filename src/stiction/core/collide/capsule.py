@@ -59,11 +59,8 @@ def capsule_capsule(contacts, tags, count, a, A, b, B, origin, hulls, margin, po
         # the axes meet: out across both, or across the only one
         n = cross(u, v)
         size = length(n)
-        n = (
-            n * (1.0 / size)
-            if size > 1e-9 * length(u) * length(v)
-            else perpendicular(u if length(u) > length(v) else v)
-        )
+        longer = u if length(u) > length(v) else v
+        n = n * (1.0 / size) if size > 1e-9 * length(u) * length(v) else perpendicular(longer)
         n = n * math.copysign(1.0, dot(n, B.p - A.p))
     found = clip_lines(A, B, n, separation, hulls, margin, points)
     for i in range(found):

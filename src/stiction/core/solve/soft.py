@@ -24,7 +24,6 @@ from stiction.core.solve.normals import Four, Sym4, lowest, non_negative, times4
 from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, ROLLING_LOSS
 from stiction.core.vec import Vec3, columns, cross, dot, put_vec3, transpose
 
-SUBSTEPS = 8
 SWEEPS = 2
 """Alternations of normals and friction within a manifold, where they are not solved together."""
 COLD_PASSES = 8
