@@ -245,7 +245,7 @@ STEPS = 12
 
 def alike(solver: str, kind: str) -> float:
     """How much two runs may differ that are equal but for rounding: m, m/s, rad/s."""
-    soft = {"place": 1e-4, "speed": 1e-2, "spin": 5e-2}
+    soft = {"place": 2e-5, "speed": 1e-3, "spin": 5e-3}
     micro = {"place": 1e-6, "speed": 1e-4, "spin": 1e-3}
     return (soft if solver == "soft" else micro)[kind]
 

@@ -231,10 +231,12 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     swapped = Mv > Mu
     q, kappa = arm_of_pressure(select(swapped, Mv, Mu), select(swapped, Mu, Mv))
     Tm = gm[4] * kappa * sqrt(Mu + Mv)
-    Tm = select(Tm * Tm > POINT_TORQUE * POINT_TORQUE * (gm[2] + gm[3]), Tm, zero)
+    is_face = Tm * Tm > POINT_TORQUE * POINT_TORQUE * (gm[2] + gm[3])
+    Tm = select(is_face, Tm, zero)
     torsional = gf[4] / greatest(ga[7], 1e-6)
     Tm = sqrt(Tm * Tm + torsional * torsional)
-    surface = surface_of(q, swapped, gm[5] > 0.5)
+    # a point has no direction: with torsional resistance it is a small round cap
+    surface = surface_of(q, swapped, (gm[5] > 0.5) | ~is_face)
     store(blocks, o + s.B_CENTER, px)
     store(blocks, o + s.B_CENTER + 1, py)
     store(blocks, o + s.B_TORQUE, Tm)

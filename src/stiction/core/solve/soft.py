@@ -15,7 +15,7 @@ substep, applied again, change velocities by as much as they did then: with v th
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.friction.patch import Surface, level, slide, times
+from stiction.core.friction.patch import Surface, choose3, level, slide, times
 from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, load, scatter, select, size_of, store
@@ -88,12 +88,6 @@ def get10(blocks, k):
 def choose4(mask, a, b):
     """Of a and b, lane by lane."""
     return Four(select(mask, a.a, b.a), select(mask, a.b, b.b), select(mask, a.c, b.c), select(mask, a.d, b.d))
-
-
-@jit
-def choose3(mask, a, b):
-    """Of a and b, lane by lane."""
-    return Vec3(select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z))
 
 
 @jit
@@ -295,7 +289,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
             limit = select(sliding, mu_d, mu_s * GRACE) * N
             unit = unit_of(limit, stick)
             # the problem divided by the limit: A = F, so numbers stay near one whatever the masses
-            g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface)
+            g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, ~inside)
             stick = choose3(inside, stick, g * limit)
         if cold or sweep > 0:
             stick = choose3(going, stick, pull)
