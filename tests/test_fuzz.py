@@ -1,6 +1,7 @@
 """Random scenes of every size, shape and mass ratio: no NaN, no crash, and no energy out of nothing.
 
-The number of a scene is its seed. ``STICTION_FUZZ_SCENES`` says how many are tried (40).
+The number of a scene is its seed. ``STICTION_FUZZ_SCENES`` says how many are tried (40), besides some in which needles
+that rolled fast once gained up to their whole energy when they were turned round.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import pytest
 
 import stiction as st
 
+NEEDLES = (201, 1328, 1543, 1578)
 SCENES = int(os.environ.get("STICTION_FUZZ_SCENES", "40"))
 pytestmark = pytest.mark.filterwarnings("ignore::stiction.errors.IterationLimitWarning")
 
@@ -66,7 +68,7 @@ def scene(rng: np.random.Generator) -> tuple[st.World, bool]:
     return world, overlap
 
 
-@pytest.mark.parametrize("number", range(SCENES))
+@pytest.mark.parametrize("number", sorted({*range(SCENES), *NEEDLES}))
 def test_a_random_scene_ends_without_nan_and_with_no_more_energy(number: int) -> None:
     world, overlap = scene(np.random.default_rng(number))
     floor = float(world.bodies[0].position[2])
@@ -85,4 +87,4 @@ def test_a_random_scene_ends_without_nan_and_with_no_more_energy(number: int) ->
     for _ in range(40):
         world.step(5)
         assert np.isfinite(world.positions).all() and np.isfinite(world.velocities).all()
-        assert energy() <= 1.01 * start + 2 * given + 1e-9
+        assert energy() <= (1.0 + 1e-5) * start + given + 1e-9

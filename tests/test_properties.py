@@ -142,8 +142,13 @@ def test_collisions_never_create_energy(solver: str, seed: int, n: int, restitut
     for _ in range(60):
         world.step()
         now = world.energy()
-        # micro knows what its integrator makes; soft enters every gain there, so it may not gain at all
-        allowed = 1e-3 * start.initial if solver == "soft" else now.numerical - before.numerical + 1e-9 * start.initial
+        # micro knows what its integrator makes; soft computes in single precision, and without restitution it leaves
+        # impacts to springs: a light body between heavy ones is squeezed, and pushes them apart again
+        if solver == "micro":
+            allowed = now.numerical - before.numerical + 1e-9 * start.initial
+        else:
+            allowed = (1e-6 if restitution > 0.0 else 0.05) * start.initial
+            assert now.kinetic <= start.kinetic * (1.0 + 1e-6)
         assert now.kinetic <= before.kinetic + max(allowed, 0.0)
         before = now
     assert abs(now.residual) <= 1e-11 * start.initial

@@ -67,7 +67,7 @@ def update_manifolds(
                         bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow
                     )
             if meta[row, s.POINTS] > 0.0:
-                refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row)
+                refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row)
                 active[k, HAS_POINTS] = 1
         piece += 1
         first, last = take_piece(team, piece, npairs)

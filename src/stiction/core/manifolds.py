@@ -63,6 +63,8 @@ FORGOTTEN = 0.5
 """Of the smaller body's reach: after so much motion the last direction of a pair is no hint any more."""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
+LEAP = 0.3
+"""Of its arm: a point of contact that went farther in a step did not roll there."""
 
 
 @bare
@@ -145,6 +147,13 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
     center = center * (1.0 / found)
 
     fresh = meta[row, s.POINTS] == 0
+    same = meta[row, s.POINTS] == found
+    for k in range(found):
+        same &= meta[row, s.FEATURES + k] == tags[k, FEATURE]
+    if not same:
+        put_vec3(reports, row, s.HERE_A, center - xa)
+        put_vec3(reports, row, s.HERE_B, center - xb)
+        meta[row, s.PLACED] = -1.0
     old_center = xa + Ra @ vec3(meta, row, s.ANCHOR_A)
     old_u = Ra @ vec3(manifolds, row, s.TANGENT_A)
     old_v = cross(Ra @ vec3(manifolds, row, s.NORMAL_A), old_u)
@@ -266,12 +275,27 @@ def belt_velocity(bodies, pose, a, b):
 
 
 @bare
-def refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row):
-    """What changes from step to step: the arms to the anchor, how far b is from where it was, and belts."""
+def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row):
+    """What changes from step to step: the arms to the anchor, how far b is from where it was, and belts.
+
+    One or two points may roll along both bodies. Their arms are those of the middle of the step, if the points go on as
+    in the last one: forces at the places of its start would make what rocks swing up, by a part omega^2 dt / 4 a second
+    (with the velocity of the mean, [x, v] goes over into [x, v] with the determinant 1 + omega^2 dt^2 / 2; from the
+    middle it is 1).
+    """
     ra = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_A)
     rb = mat33(pose, b + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_B)
-    put_vec3(manifolds, row, s.ARM_A, ra)
-    put_vec3(manifolds, row, s.ARM_B, rb)
+    if meta[row, s.POINTS] <= 2.0:
+        moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
+        if moved != meta[row, s.PLACED]:  # a step may be begun twice
+            meta[row, s.PLACED] = moved
+            # where a turntable is in the middle is told by how its velocity drifts, below
+            ahead_a, ahead_b = go_on(reports, row, s.HERE_A, ra), go_on(reports, row, s.HERE_B, rb)
+            put_vec3(manifolds, row, s.ARM_A, ra if kinds[a, MOBILITY] == KINEMATIC else ra + ahead_a)
+            put_vec3(manifolds, row, s.ARM_B, rb if kinds[b, MOBILITY] == KINEMATIC else rb + ahead_b)
+    else:
+        put_vec3(manifolds, row, s.ARM_A, ra)
+        put_vec3(manifolds, row, s.ARM_B, rb)
     put_vec3(manifolds, row, s.SHIFT, (vec3(pose, b + 1, s.POSE_X) + rb) - (vec3(pose, a + 1, s.POSE_X) + ra))
     if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
         put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
@@ -281,6 +305,16 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, pose, row):
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)
         n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
         manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
+
+
+@bare
+def go_on(reports, row, column, arm):
+    """Half of what the arm has changed by since the step before, world, m; keeps it for the next step."""
+    old = vec3(reports, row, column)
+    put_vec3(reports, row, column, arm)
+    # in the precision of what was kept: at rest it is exactly zero
+    way = vec3(reports, row, column) - old
+    return way * (0.5 if dot(way, way) < LEAP * LEAP * dot(arm, arm) else 0.0)
 
 
 @bare

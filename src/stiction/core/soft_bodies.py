@@ -49,6 +49,7 @@ from stiction.core.vec import (
     put_vec3,
     quat,
     rotation,
+    transpose,
     turn,
     vec3,
     wide,
@@ -57,6 +58,9 @@ from stiction.core.vec import (
 NO_GLIDE, GLIDES, ROLLS, FALLS = range(4)
 """How a body in contact moves within a substep: with its new velocity; along one plane with the mean; also turning
 so; or, if its contacts carry nothing yet, with the mean of what gravity and forces do."""
+
+NO_TURN = 1e-6
+"""rad, turning by less in a step changes nothing that matters."""
 
 
 @jit
@@ -151,7 +155,23 @@ def finish_contact(bodies, i, pose, rows, dt, ledger):
     put_vec3(bodies, i, V, v1)
     put_vec3(bodies, i, W, w1)
     enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
-    _go(bodies, i, pose, wide(vec3(rows, r, s.ROW_D)), wide(vec3(rows, r, s.ROW_TURN)), dt)
+    angle = wide(vec3(rows, r, s.ROW_TURN))
+    _go(bodies, i, pose, wide(vec3(rows, r, s.ROW_D)), angle, dt)
+    if dot(angle, angle) > NO_TURN * NO_TURN:
+        put_vec3(bodies, i, W, slowed(bodies, i, mat33(pose, r, s.POSE_ROTATION), w1))
+
+
+@jit
+def slowed(bodies, i, before, w):
+    """The spin w of body i after a step in which it turned from ``before``, less if the turn would give it energy.
+
+    The passes see the inertia of the start. A body whose spin changes within the step turns about another axis than
+    that of its last spin, so a needle that rolled fast would keep its spin and no longer have it along itself.
+    """
+    inertia, after = mat33(bodies, i, INERTIA), rotation(quat(bodies, i, ORIENTATION))
+    first, last = transpose(before) @ w, transpose(after) @ w
+    had, has = dot(first, inertia @ first), dot(last, inertia @ last)
+    return w * math.sqrt(had / has) if has > had else w
 
 
 @jit

@@ -36,8 +36,8 @@ def _starts(*widths: int) -> list[int]:
     PULL, SPIN, TORSIONAL, ROLLING, DRIFT_U, RESTITUTION,  # friction (world, N) and torque about n at the anchor, N m
     M_U, M_V, C_U, C_V, ARM, ROUND_CAP, COUNT, FRESH,  # second moments of the patch and of its points, m^2; mean arm
     SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, torque, N m
-    ARM_B, BELT, DRIFT_V, LEFT,  # anchor from b's centre of mass, m; velocity of the surface of a less that of b,
-    # world, m/s; DRIFT_U, DRIFT_V: how fast that velocity changes because bodies turn that are told to, m/s^2
+    ARM_B, BELT, DRIFT_V, LEFT,  # the same from b's, both in the middle of the step; velocity of the surface of a less
+    # that of b, world, m/s; DRIFT_U, DRIFT_V: how fast it changes because bodies turn that are told to, m/s^2
     MANIFOLD_WIDTH,
 ) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3, 3, 2, 3, 3, 1, 1)
 # fmt: on
@@ -45,17 +45,19 @@ def _starts(*widths: int) -> list[int]:
 STUCK, SLIDING = 0.0, 1.0
 """States of a manifold: its static or its dynamic coefficient holds."""
 
-(TOTAL_LOAD, TOTAL_PULL, TOTAL_TWIST, LIFT, REPORT_WIDTH) = _starts(4, 3, 1, 4)
+(TOTAL_LOAD, TOTAL_PULL, TOTAL_TWIST, LIFT, HERE_A, HERE_B, REPORT_WIDTH) = _starts(4, 3, 1, 4, 3, 3)
 """Columns of the reports, (m, REPORT_WIDTH): normal impulses of the whole step a point, friction impulse (world) and
-torque impulse about the normal at the anchor; by how much the points are held above where they will have sunk to, m."""
+torque impulse about the normal at the anchor; by how much the points are held above where they will have sunk to, m;
+where the anchor of one or two points was at the start of the step, from the centres of mass, world, m."""
 
 OLD, NEW, QUIET = 0.0, 1.0, 2.0
 """What FRESH says of a manifold: made before this step; in it; in it, and its bodies hardly move against each other."""
 
-(SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, META_WIDTH) = _starts(1, 1, 1, 1, 4, 3, 5)
+(SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, META_WIDTH) = _starts(1, 1, 1, 1, 4, 3, 3, 2)
 """Columns of what a manifold keeps in float64: how far both bodies had moved when it was made, m; the margin it was
 looked for with, m; how far they may move until it is made anew, m; how many points and their features (whole numbers);
-the anchor in the axes of a and of b, from their centres of mass, m."""
+the anchor in the axes of a and of b, from their centres of mass, m; how far both bodies had moved when the arms were
+computed last, m."""
 
 # --- blocks: (blocks x FIELDS, 8) -------------------------------------------------------------------------------------
 

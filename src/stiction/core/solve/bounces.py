@@ -40,7 +40,7 @@ def collect_impacts(bodies, active, count, manifolds, meta, pose, contacts, tags
         n, u = Ra @ vec3(manifolds, row, s.NORMAL_A) * 1.0, Ra @ vec3(manifolds, row, s.TANGENT_A) * 1.0
         v = cross(n, u)
         shift = dot(n, vec3(manifolds, row, s.SHIFT) * 1.0)
-        center = xa + vec3(manifolds, row, s.ARM_A) * 1.0 + n * (0.5 * shift)
+        center = xa + Ra @ vec3(meta, row, s.ANCHOR_A) + n * (0.5 * shift)
         points = int(meta[row, s.POINTS])
         mean = 0.0
         for j in range(points):
