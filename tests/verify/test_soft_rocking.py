@@ -17,8 +17,8 @@ G, RADIUS, START = 9.81, 2.0, 0.03
 def test_a_block_that_rocks_on_a_cylinder_keeps_its_period_and_never_swings_farther(
     length: float, height: float, dt: float
 ) -> None:
-    """Rolling without slipping, V = m g ((R + b) cos(phi) + R phi sin(phi)), T = m (k^2 + b^2 + R^2 phi^2) phi'^2 / 2 with
-    b the half height and k the radius of gyration: phi'' = -g (R - b) / (k^2 + b^2) phi for small angles. An
+    """Rolling without slipping, V = m g ((R + b) cos(phi) + R phi sin(phi)), T = m (k^2 + b^2 + R^2 phi^2) phi'^2 / 2
+    with b the half height and k the radius of gyration: phi'' = -g (R - b) / (k^2 + b^2) phi for small angles. An
     amplitude of 0.03 lengthens the period by R^2 phi^2 / (4 (k^2 + b^2)), 0.7 % at most."""
     b = 0.5 * height
     table = st.MaterialTable()
