@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction.core import jit, questions, removal, soft_entry, soft_rows, soft_step, state, touching
 from stiction.core import pairs as p
-from stiction.core import questions, removal, soft_rows, soft_step, state, touching
 from stiction.core.clock import STAGES
 from stiction.core.colouring import COLOURS
 from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, grow_pair_cache, make_pair_cache
@@ -19,6 +19,7 @@ from stiction.core.tree import NONE, RIGHT, grow_tree, make_tree
 from stiction.crew import Arrays, Crew
 from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilation, close_gaps
 
+NOTHING_WRITTEN = np.zeros((0, 0), np.int64)
 PRECISIONS = {"single": np.float32, "double": np.float64}
 
 
@@ -42,6 +43,8 @@ class SoftStore(Store):
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
         self.seconds = 0.0
         self._table: Array | None = None
+        self._one = self.dtype(1.0)
+        self._written: tuple[tuple[int, ...], tuple[Any, ...], NDArray[np.int64]] = (), (), NOTHING_WRITTEN
         self._bounces = False
         self._rolls: int | None = None
         self._edited: set[int] = set()
@@ -79,20 +82,26 @@ class SoftStore(Store):
         while left:
             chunk = min(left, max(1, CHUNK // self.n))
             boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
-            hulls = self.hulls.arrays if self.polytopes else None
-            bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if self._bounces else None
-            given = (
-                chunk, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
-                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces, self._rolls,
-            )  # fmt: skip
-            if self.crew.threads == 1:
-                reason, done, number = soft_step.soft_step(*given, None)
-            else:
-                shared = Arrays(
-                    self.bodies, self.kinds, self.cache.pairs, self.soft, self.scratch, table, boxes_meet, hulls,
-                    self._rolls,
+            bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if self._bounces else ()
+            if jit.config.DISABLE_JIT:
+                reason, done, number = soft_step.take_steps(
+                    chunk, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
+                    settings, self.ledger, self.cycles, boxes_meet, self.hulls.arrays if self.polytopes else None,
+                    bounces or None, self._rolls, None,
                 )  # fmt: skip
-                reason, done, number = self.crew.lead(functools.partial(soft_step.soft_step, *given), shared)
+            else:
+                given = (
+                    chunk, self.n, self._book(table, settings, bounces), self._one, boxes_meet,
+                    1 if self.polytopes else None, 1 if bounces else None, self._rolls,
+                )  # fmt: skip
+                if self.crew.threads == 1:
+                    reason, done, number = soft_entry.soft_step(*given, None)
+                else:
+                    shared = Arrays(
+                        self.bodies, self.kinds, self.cache.pairs, self.soft, self.scratch, table, boxes_meet,
+                        self.hulls.arrays if self.polytopes else None, self._rolls,
+                    )  # fmt: skip
+                    reason, done, number = self.crew.lead(functools.partial(soft_entry.soft_step, *given), shared)
             self.steps += done
             left -= done
             if reason == soft_step.MORE_PAIRS:
@@ -105,6 +114,25 @@ class SoftStore(Store):
                 return StepFailure(number, self.steps)
         self.seconds += time.perf_counter() - began
         return None
+
+    def _book(self, table: Array, settings: state.Settings, bounces: tuple[Any, ...]) -> NDArray[np.int64]:
+        """Where all arrays are that a step needs, written anew if one of them was replaced.
+
+        The parts are kept beside it, so that none of them can go away, nor its place be taken by another.
+        """
+        parts = (
+            self.bodies, self.kinds, table, settings, self.ledger, self.cycles, self.tree, self.cache, self.soft,
+            self.scratch, self.hulls.arrays, *bounces,
+        )  # fmt: skip
+        names = tuple(map(id, parts))
+        if names != self._written[0]:
+            book, numbers = soft_entry.book_of(*parts)
+            self._written = names, (*parts, numbers), book
+        return self._written[2]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without addresses, which hold for this very store."""
+        return self.__dict__ | {"_written": ((), (), NOTHING_WRITTEN)}
 
     def _impact_lists(self) -> state.Lists:
         """Scratch of the impacts for as many bodies and contact rows as there is room for."""

@@ -1,4 +1,4 @@
-"""One time step of the soft solver, as a table of contents; the entry kernel that Python calls."""
+"""One time step of the soft solver, as a table of contents."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ from stiction.core.team import COUNT, FIND, HOME, JOB, MOVING_BODIES, SOLVE, SUB
 from stiction.core.vec import Vec3, length, mat33, vec3
 
 DONE, MORE_PAIRS, MORE_BLOCKS, BLOWN_UP, MORE_CONTACTS = range(5)
-"""Why :func:`soft_step` returned."""
+"""Why :func:`take_steps` returned."""
 
 AWAKE, TOUCHING, MOVING, MARK, USED, GLIDE, EDITED, GROUP, RESTLESS, BODY_LISTS = range(10)
 """Rows of the lists of bodies: those awake; those in contact; those of them that move; marks; scratch; how they move;
@@ -105,8 +105,8 @@ def make_scratch(n: int, p: int, colours: int) -> Scratch:
     return scratch
 
 
-@entry
-def soft_step(
+@jit
+def take_steps(
     steps, bodies, kinds, n, tree, cache, soft, scratch, table, settings, ledger, profile, boxes_meet, hulls, bounces,
     rolls, team,
 ):  # fmt: skip
@@ -224,7 +224,7 @@ def soft_step(
 
 @entry
 def assist(bodies, kinds, pairs, soft, scratch, contacts, tags, points, table, boxes_meet, hulls, rolls, team, worker):
-    """Do a worker's share of all jobs of the leader, who is in :func:`soft_step`, until the team goes home.
+    """Do a worker's share of all jobs of the leader, who is in :func:`take_steps`, until the team goes home.
 
     ``contacts``, ``tags`` and ``points`` are the worker's own scratch.
     """
