@@ -19,11 +19,11 @@ from __future__ import annotations
 
 import math
 
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.vec import Mat33, Vec3, columns, congruent, cross, dot, inverse, transpose
 
 
-@bare
+@jit
 def contact_basis(n):
     """B, the transformation from contact to world coordinates: its columns are n, t1, t2, right-handed.
 
@@ -39,32 +39,32 @@ def contact_basis(n):
     return columns(n, t1, t2)
 
 
-@bare
+@jit
 def point_velocity(v, w, r):
     """Velocity of the point at arm r of a body: v + w x r."""
     return v + cross(w, r)
 
 
-@bare
+@jit
 def collision_velocity(va, wa, ra, vb, wb, rb):
     """v_collision = v_A - v_B at the contact point. Slide "Friction as impulses" (Worksheet 6, slide 16)."""
     return point_velocity(va, wa, ra) - point_velocity(vb, wb, rb)
 
 
-@bare
+@jit
 def planar_velocity(u, n):
     """v_planar = v_collision - n v_C, with v_C = n . v_collision. Slide "Friction as impulses"."""
     return u - n * dot(n, u)
 
 
-@bare
+@jit
 def skew(v):
     """S_v, the skew matrix with S_v x = v x x. Slide "The skew-symmetric matrix"."""
     o = v.x - v.x
     return Mat33(o, -v.z, v.y, v.z, o, -v.x, -v.y, v.x, o)
 
 
-@bare
+@jit
 def impulsive_torque(r, B):
     """u = S_p B: the torque of a unit impulse in each of the three contact directions, one a column.
 
@@ -73,7 +73,7 @@ def impulsive_torque(r, B):
     return skew(r) @ B
 
 
-@bare
+@jit
 def rotation_change(inverse_inertia, u):
     """dr = I^-1 u with I^-1 in world axes: the change of angular velocity a unit impulse, one a column.
 
@@ -82,7 +82,7 @@ def rotation_change(inverse_inertia, u):
     return inverse_inertia @ u
 
 
-@bare
+@jit
 def rotation_to_velocity(r, dr):
     """dv_r = -S_p dr = dr x p: the change of the contact point's velocity by that rotation, one a column.
 
@@ -91,13 +91,13 @@ def rotation_to_velocity(r, dr):
     return -(skew(r) @ dr)
 
 
-@bare
+@jit
 def to_contact(B, dv):
     """B^-1 dv = B^T dv: into contact coordinates. Slide "The algorithm for angular motion", step 4."""
     return transpose(B) @ dv
 
 
-@bare
+@jit
 def inverse_mass_matrix(inverse_mass):
     """m^-1 1: the velocity of a unit impulse through linear motion, as a matrix to be added to the angular one.
 
@@ -107,7 +107,7 @@ def inverse_mass_matrix(inverse_mass):
     return Mat33(inverse_mass, o, o, o, inverse_mass, o, o, o, inverse_mass)
 
 
-@bare
+@jit
 def velocity_per_impulse(inverse_mass, inverse_inertia, r, B):
     """One body's share of K: the change of its contact velocity a unit impulse, all in contact coordinates."""
     u = impulsive_torque(r, B)
@@ -116,7 +116,7 @@ def velocity_per_impulse(inverse_mass, inverse_inertia, r, B):
     return inverse_mass_matrix(inverse_mass) + to_contact(B, dv)
 
 
-@bare
+@jit
 def contact_matrix(ma, ia, ra, mb, ib, rb, B):
     """K: the sum of both bodies' shares, (3, 3), in 1/kg. Symmetric and positive definite if a body can move.
 
@@ -125,13 +125,13 @@ def contact_matrix(ma, ia, ra, mb, ib, rb, B):
     return velocity_per_impulse(ma, ia, ra, B) + velocity_per_impulse(mb, ib, rb, B)
 
 
-@bare
+@jit
 def impulse_per_velocity(K):
     """Delta g = Delta v^-1, the inverse of K. Slide "Angular motion to velocity"."""
     return inverse(K)
 
 
-@bare
+@jit
 def maximal_impulse(K, v_mu):
     """g_max = Delta g v_mu: the impulse that makes the whole change of velocity v_mu.
 
@@ -140,7 +140,7 @@ def maximal_impulse(K, v_mu):
     return impulse_per_velocity(K) @ v_mu
 
 
-@bare
+@jit
 def world_inverse_inertia(R, inverse_inertia):
     """R I^-1 R^T: the inverse inertia tensor in world axes (the slides' M^-T I^-1 M^T)."""
     return congruent(R, inverse_inertia)

@@ -4,8 +4,8 @@ Numba keys its cache by the source file of the *entry* function alone: after an 
 stale machine code and give silently wrong physics (seen with numba 0.68.1). So the entries of this package are cached
 in a folder whose name is a hash of every source file of ``core``, of the versions that matter and of the CPU.
 
-``jit``     small helpers: compiled lazily, inlined by LLVM into the entry that calls them, never cached alone.
-``bare``    the same for what handles no reference to an array: nothing is counted.
+``jit``     small helpers: compiled lazily, inlined by LLVM into the entry that calls them, never cached alone; they
+            count no references to arrays.
 ``inlined`` such a helper that is short and called often.
 ``entry``   the few fat kernels that Python calls: cached on disk, they release the GIL.
 """
@@ -98,17 +98,14 @@ def cache_folder() -> Path | None:
     return None
 
 
-jit = numba.extending.register_jitable(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)
-"""Decorator of a helper."""
-
-bare = numba.extending.register_jitable(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
-"""Decorator of a helper that makes and returns no array, so that it counts no references: each array in the arguments
-of one that is not inlined would cost two atomic operations a call, and so would each array taken out of a tuple."""
+jit = numba.extending.register_jitable(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+"""Decorator of a helper. It may neither make an array nor return one: then no references need to be counted, which
+would cost two atomic operations for each array in the arguments of a call, or taken out of a tuple."""
 
 inlined = numba.extending.register_jitable(
     error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False, forceinline=True
 )
-"""Decorator of a ``bare`` helper so short that to hand over its arguments would take longer than what it does."""
+"""Decorator of a helper so short that to hand over its arguments would take longer than what it does."""
 
 config: Any = numba.config
 

@@ -16,7 +16,7 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.collide.manifold import ROUND
 from stiction.core.contact_space import contact_basis
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.state import (
     DYNAMIC_MU,
     FEATURE,
@@ -67,7 +67,7 @@ LEAP = 0.3
 """Of its arm: a point of contact that went farther in a step did not roll there."""
 
 
-@bare
+@jit
 def clear_manifold(manifolds, meta, reports, row):
     """Nothing is known of a new pair."""
     for k in range(s.MANIFOLD_WIDTH):
@@ -80,7 +80,7 @@ def clear_manifold(manifolds, meta, reports, row):
     manifolds[row, s.FRESH] = s.NEW
 
 
-@bare
+@jit
 def smaller_reach(pose, kinds, a, b):
     """Reach of the smaller of two bodies, m; a plane is larger than anything."""
     if kinds[a, SHAPE] == PLANE:
@@ -90,7 +90,7 @@ def smaller_reach(pose, kinds, a, b):
     return min(pose[a + 1, s.POSE_REACH], pose[b + 1, s.POSE_REACH])
 
 
-@bare
+@jit
 def is_kept(kinds, a, b, pose, meta, row):
     """Whether the narrow phase would find what the manifold already has."""
     moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.SEEN]
@@ -99,20 +99,20 @@ def is_kept(kinds, a, b, pose, meta, row):
     return meta[row, s.AHEAD] - moved >= margin_of(pose, kinds, a, b)
 
 
-@bare
+@jit
 def margin_of(pose, kinds, a, b):
     """How far ahead contact points are needed in this step, m."""
     speculative = min(SPECULATIVE, SMALL * smaller_reach(pose, kinds, a, b))
     return speculative + pose[a + 1, s.POSE_MARGIN] + pose[b + 1, s.POSE_MARGIN]
 
 
-@bare
+@jit
 def look_of(pose, kinds, a, b):
     """How far beyond that contact points are looked for, m."""
     return min(LOOK, 2.0 * SMALL * smaller_reach(pose, kinds, a, b))
 
 
-@bare
+@jit
 def hint_of(kinds, a, b, manifolds, meta, pose, row):
     """The direction from a to b that the narrow phase found last for this pair, world; zero if there is none, or if the
     bodies have moved so far since that it says little."""
@@ -122,7 +122,7 @@ def hint_of(kinds, a, b, manifolds, meta, pose, row):
     return mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
 
 
-@bare
+@jit
 def see_nothing(manifolds, meta, reports, pose, a, b, row, gap, toward):
     """The pair has no points; its bodies are ``gap`` apart at least. ``toward`` is kept as the next hint."""
     meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
@@ -134,7 +134,7 @@ def see_nothing(manifolds, meta, reports, pose, a, b, row, gap, toward):
         reports[row, s.LIFT + k] = 0.0
 
 
-@bare
+@jit
 def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow):
     """Make the manifold anew from ``found`` contact points; ``slow`` (m/s) is the slip below which it begins stuck."""
     meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
@@ -248,7 +248,7 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
         put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
 
 
-@bare
+@jit
 def velocity_before(bodies, kinds, i):
     """Velocities of body i as the step begins; a kinematic one takes up those it has been told in the course of it."""
     if kinds[i, MOBILITY] == KINEMATIC:
@@ -256,7 +256,7 @@ def velocity_before(bodies, kinds, i):
     return vec3(bodies, i, V), vec3(bodies, i, W)
 
 
-@bare
+@jit
 def set_coefficients(kinds, table, a, b, manifolds, row):
     """The pair's row of the table."""
     i, j = kinds[a, MATERIAL], kinds[b, MATERIAL]
@@ -265,7 +265,7 @@ def set_coefficients(kinds, table, a, b, manifolds, row):
     manifolds[row, s.ROLLING], manifolds[row, s.TORSIONAL] = table[i, j, ROLLING], table[i, j, TORSIONAL]
 
 
-@bare
+@jit
 def belt_velocity(bodies, pose, a, b):
     """Velocity of the surface of a relative to its body, less that of b, world, m/s."""
     return (
@@ -274,7 +274,7 @@ def belt_velocity(bodies, pose, a, b):
     )  # fmt: skip
 
 
-@bare
+@jit
 def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row):
     """What changes from step to step: the arms to the anchor, how far b is from where it was, and belts.
 
@@ -307,7 +307,7 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row):
         manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
 
 
-@bare
+@jit
 def go_on(reports, row, column, arm):
     """Half of what the arm has changed by since the step before, world, m; keeps it for the next step."""
     old = vec3(reports, row, column)
@@ -317,7 +317,7 @@ def go_on(reports, row, column, arm):
     return way * (0.5 if dot(way, way) < LEAP * LEAP * dot(arm, arm) else 0.0)
 
 
-@bare
+@jit
 def carried_round(bodies, kinds, i, other):
     """How fast the velocity of the surface of kinematic body i changes under a body that moves over it: w x v."""
     if kinds[i, MOBILITY] != KINEMATIC:
@@ -326,7 +326,7 @@ def carried_round(bodies, kinds, i, other):
     return cross(w, vec3(bodies, other, V))
 
 
-@bare
+@jit
 def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
     """Work (J) that kinematic bodies and moving surfaces put in over a step, before the bodies are moved."""
     work = 0.0
@@ -353,7 +353,7 @@ def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
     return work
 
 
-@bare
+@jit
 def measure_patch(contacts, tags, found, center, n, manifolds, row):
     """Second moments of the patch and of its points along its principal axes; returns the first axis, u.
 
@@ -429,13 +429,13 @@ def measure_patch(contacts, tags, found, center, n, manifolds, row):
     return e1 * c + e2 * sn
 
 
-@bare
+@jit
 def _place(contacts, k, center, e1, e2):
     d = vec3(contacts, k, POINT) - center
     return Vec3(dot(d, e1), dot(d, e2), 0.0)
 
 
-@bare
+@jit
 def _triangle(a, b, c):
     """Centroid, signed area and second moments about the origin, per area, of a triangle."""
     area = 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x))

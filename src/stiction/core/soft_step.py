@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core import soft_rows as s
-from stiction.core.clock import STAGES, lap, start_clock
+from stiction.core.clock import lap, start_clock
 from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
 from stiction.core.find import list_manifolds, update_manifolds
 from stiction.core.integrate import first_not_finite, is_number, keep_body, restore_body
@@ -207,7 +207,8 @@ def take_steps(
             bodies, kinds, scratch.active, active, soft.manifolds, soft.meta, soft.pose, soft.reports
         )
         if bounces is not None:
-            report_bounces(bounces[0], bounces[1], impacts, soft.reports)
+            contacts, tags, _, _ = bounces
+            report_bounces(contacts, tags, impacts, soft.reports)
         lap(profile, 7)
         finish_bodies(bodies, kinds, lists, awake, touching, soft.pose, soft.rows, gravity, dt, ledger)
         scratch.counts[STEP] += 1
@@ -226,9 +227,9 @@ def take_steps(
 def assist(bodies, kinds, pairs, soft, scratch, contacts, tags, points, table, boxes_meet, hulls, rolls, team, worker):
     """Do a worker's share of all jobs of the leader, who is in :func:`take_steps`, until the team goes home.
 
-    ``contacts``, ``tags`` and ``points`` are the worker's own scratch.
+    ``contacts``, ``tags`` and ``points`` are the worker's own scratch; only the leader keeps a profile.
     """
-    lists, words, numbers, nothing = scratch.bodies, team.words, team.numbers, np.zeros(len(STAGES) + 1, np.int64)
+    lists, words, numbers = scratch.bodies, team.words, team.numbers
     while True:
         meet(team)
         if words[JOB] == HOME:
@@ -242,7 +243,7 @@ def assist(bodies, kinds, pairs, soft, scratch, contacts, tags, points, table, b
         else:
             run_passes(
                 soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], words[COUNT],
-                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], numbers[1] > 0.0, nothing, rolls, team, worker,
+                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], numbers[1] > 0.0, words, rolls, team, worker,
             )  # fmt: skip
 
 

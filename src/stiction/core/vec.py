@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from numba import types
 from numba.extending import overload
 
-from stiction.core.jit import bare, inlined
+from stiction.core.jit import inlined, jit
 
 
 class Vec3(NamedTuple):
@@ -145,7 +145,7 @@ def _matrix_times_vector(m, v):
     )
 
 
-@bare
+@jit
 def _matrix_times_matrix(a, b):
     return Mat33(
         a.xx * b.xx + a.xy * b.yx + a.xz * b.zx,
@@ -184,7 +184,7 @@ def length(a):
 # --- matrices --------------------------------------------------------------------------------------------------------
 
 
-@bare
+@jit
 def columns(a, b, c):
     """The matrix whose columns are a, b, c."""
     return Mat33(a.x, b.x, c.x, a.y, b.y, c.y, a.z, b.z, c.z)
@@ -206,7 +206,7 @@ def transpose(m):
     return Mat33(m.xx, m.yx, m.zx, m.xy, m.yy, m.zy, m.xz, m.yz, m.zz)
 
 
-@bare
+@jit
 def inverse(m):
     """m^-1 by cofactors; meant for well conditioned matrices such as K and inertia tensors."""
     a = m.yy * m.zz - m.yz * m.zy
@@ -223,7 +223,7 @@ def inverse(m):
 # --- rotations -------------------------------------------------------------------------------------------------------
 
 
-@bare
+@jit
 def rotation(q):
     """The matrix R of a unit quaternion: R @ v turns v from the body's axes into the world's."""
     xx, yy, zz = q.x * q.x, q.y * q.y, q.z * q.z
@@ -237,7 +237,7 @@ def rotation(q):
     )  # fmt: skip
 
 
-@bare
+@jit
 def turn(q, angle):
     """q after the rotation vector ``angle`` (rad, world axes): the exponential map, for one body only."""
     a = math.sqrt(angle.x * angle.x + angle.y * angle.y + angle.z * angle.z)
@@ -247,7 +247,7 @@ def turn(q, angle):
     return Quat(n * p.w, n * p.x, n * p.y, n * p.z)
 
 
-@bare
+@jit
 def congruent(r, m):
     """R M R^T: a tensor from body axes to world axes."""
     return r @ m @ transpose(r)
@@ -290,13 +290,13 @@ def put_vec3(a, i, k, v):
     a[i, k], a[i, k + 1], a[i, k + 2] = v.x, v.y, v.z
 
 
-@bare
+@jit
 def put_quat(a, i, k, q):
     """Store a quaternion in columns k to k + 3 of row i."""
     a[i, k], a[i, k + 1], a[i, k + 2], a[i, k + 3] = q.w, q.x, q.y, q.z
 
 
-@bare
+@jit
 def put_mat33(a, i, k, m):
     """Store a matrix in columns k to k + 8 of row i."""
     a[i, k], a[i, k + 1], a[i, k + 2] = m.xx, m.xy, m.xz

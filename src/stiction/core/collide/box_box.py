@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 from stiction.core.collide.manifold import emit, reduce
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, cross, dot, rotation, transpose
 
 FACE_PREFERENCE = 0.005
@@ -18,24 +18,24 @@ PARALLEL = 1e-8
 """Edges whose cross product is shorter than the root of this are parallel: their axis is that of a face."""
 
 
-@bare
+@jit
 def _get(v, k):
     return v.x if k == 0 else (v.y if k == 1 else v.z)
 
 
-@bare
+@jit
 def _reach(half, c):
     """Half the extent of a box along an axis whose components in the box's axes are c."""
     return half.x * abs(c.x) + half.y * abs(c.y) + half.z * abs(c.z)
 
 
-@bare
+@jit
 def _octant(v):
     """A bit for each component above 0."""
     return (1 if v.x > 0.0 else 0) | (2 if v.y > 0.0 else 0) | (4 if v.z > 0.0 else 0)
 
 
-@bare
+@jit
 def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, points):
     """Feature of a point: axis (0 to 14), then incident face and corner or clip edge, or both edges.
 
@@ -96,7 +96,7 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
     return count, face_normal, best_face
 
 
-@bare
+@jit
 def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, separation, axis):
     """The nearest points of the two edges whose cross product is the normal."""
     i, j = (axis - 6) // 3, (axis - 6) % 3
@@ -122,7 +122,7 @@ def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, sepa
     return emit(contacts, tags, count, a, b, point, normal, separation, axis << 8 | edges)
 
 
-@bare
+@jit
 def _clip(pr, Rr, hr, k, n, pi, Ri, hi, margin, points, axis):
     """Clip the face of the incident box that looks most against n to the reference face k; n points out of it.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from stiction.core.collide.manifold import emit, reduce
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.vec import Vec3, dot, rotation
 
 
-@bare
+@jit
 def box_plane(contacts, tags, count, a, pa, qa, half, b, n, offset, margin, points):
     """Feature of a point: the number of the corner, a bit an axis. ``points`` is scratch, (16, 5)."""
     R = rotation(qa)

@@ -6,11 +6,11 @@ import math
 
 from stiction.core.collide.clip import clip_lines
 from stiction.core.collide.manifold import emit
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, cross, dot, length, vec3
 
 
-@bare
+@jit
 def perpendicular(u):
     """Some direction across u."""
     x, y, z = abs(u.x), abs(u.y), abs(u.z)
@@ -20,7 +20,7 @@ def perpendicular(u):
     return m * (1.0 / size) if size > 0.0 else e
 
 
-@bare
+@jit
 def nearest_on_segments(p, u, q, v):
     """Where p + s u and q + t v come nearest to each other, s and t in 0 to 1 (Ericson, "Real-time collision
     detection", 2005, section 5.1.9)."""
@@ -41,7 +41,7 @@ def nearest_on_segments(p, u, q, v):
     return s, t
 
 
-@bare
+@jit
 def capsule_capsule(contacts, tags, count, a, A, b, B, origin, hulls, margin, points):
     """Two points where the capsules lie along each other, else one. Also returns the separation."""
     u, v = column(A.R, 2) * (2.0 * A.scale.z), column(B.R, 2) * (2.0 * B.scale.z)

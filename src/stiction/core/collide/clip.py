@@ -19,7 +19,7 @@ from stiction.core.collide.hulls import (
     vertex,
 )
 from stiction.core.collide.manifold import ROUND
-from stiction.core.jit import bare, inlined
+from stiction.core.jit import inlined, jit
 from stiction.core.vec import Vec3, column, cross, dot, length, put_vec3, transpose, vec3
 
 BUFFER = 64
@@ -36,7 +36,7 @@ PARALLEL = 0.02
 """Lines whose directions differ by less (rad) touch with two points."""
 
 
-@bare
+@jit
 def lowest(X, n):
     """The direction in the caps of a cylinder in which they reach farthest against n; the body's x axis if flat."""
     axis = column(X.R, 2)
@@ -132,7 +132,7 @@ def _cut(points, source, n, closed, s, limit, side):
     return kept
 
 
-@bare
+@jit
 def _covers(X, g, m, center, radius, hulls):
     """Whether a disc lies within face g of X, whose normal is m."""
     if X.round:
@@ -150,7 +150,7 @@ def _covers(X, g, m, center, radius, hulls):
     return True
 
 
-@bare
+@jit
 def _disc(X, center, n, p, m, offset, margin, base, points):
     """Four points of the rim of X's disc against the plane m . (x - p) = offset, seen along n.
 
@@ -171,7 +171,7 @@ def _disc(X, center, n, p, m, offset, margin, base, points):
     return found
 
 
-@bare
+@jit
 def _line(X, hulls, n):
     """The line with which X reaches farthest along n: whether there is one, its ends, the radius about it, and which
     edge it is."""
@@ -188,7 +188,7 @@ def _line(X, hulls, n):
     return ok, p, q, X.radius, number_of_two(one - first, other - first)
 
 
-@bare
+@jit
 def clip_lines(A, B, n, sigma, hulls, margin, points):
     """The ends of what two nearly parallel lines have in common, if they touch along it; returns their number, 0 or 2.
 

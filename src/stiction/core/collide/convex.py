@@ -29,7 +29,7 @@ from stiction.core.collide.directions import (
 from stiction.core.collide.gjk import closest
 from stiction.core.collide.hulls import POINT, number_of_two, support
 from stiction.core.collide.manifold import emit, reduce
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, dot, length, transpose, vec3
 
 FACE_PREFERENCE = 0.005
@@ -48,7 +48,7 @@ CLIMBS, NEARLY = 6, 1e-5
 """... else improving a direction that is known takes so many steps, or ends with a gain below this part of it."""
 
 
-@bare
+@jit
 def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin, points):
     """Up to four points. The coordinates of A and B are relative to ``origin``; ``hint`` is a direction in which B may
     be found, of any length, or zero.
@@ -142,7 +142,7 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
     return count, n, sigma - r
 
 
-@bare
+@jit
 def _feature(X, hulls, n):
     """The vertex, or the first two, or the part of a cylinder, that reaches farthest along n."""
     m, s = transpose(X.R) @ n, X.scale

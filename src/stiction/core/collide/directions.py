@@ -20,7 +20,7 @@ import math
 from stiction.core.collide.capsule import nearest_on_segments, perpendicular
 from stiction.core.collide.gjk import closest
 from stiction.core.collide.hulls import POINT, SEGMENT, number_of_two, reach_point, shrunk, support, two_best, vertex
-from stiction.core.jit import bare, inlined
+from stiction.core.jit import inlined, jit
 from stiction.core.vec import Vec3, column, cross, dot, length, transpose, vec3
 
 LIFT = 0.1
@@ -49,7 +49,7 @@ def along(A, B, hulls, n):
     return dot(n, support(B, hulls, -n) - support(A, hulls, n))
 
 
-@bare
+@jit
 def climb(A, B, hulls, n, sigma, wa, wb, lift, floor, fine, stalled, lifts):
     """Improve n, along which the cores are ``sigma`` apart at wa and wb, until a step gains less than ``stalled``.
 
@@ -77,7 +77,7 @@ def climb(A, B, hulls, n, sigma, wa, wb, lift, floor, fine, stalled, lifts):
     return apart, n, sigma, wa, wb
 
 
-@bare
+@jit
 def between_lines(A, B, hulls, shift, n):
     """The distance of A from B moved by ``shift``, if they are nearest to each other with the edges, or the sides or a
     rim of cylinders, that reach farthest along n: as :func:`closest`, but first whether it is proven.
@@ -109,7 +109,7 @@ def between_lines(A, B, hulls, shift, n):
     return upper - bound <= FINE * upper, bound, m, x + m * ra, y - m * rb - shift
 
 
-@bare
+@jit
 def _rim_and_line(c, axis, radius, p, u):
     """Where p + t u, t in 0 to 1, comes nearest to a rim about c from outside: t, and the point of the rim.
 
@@ -162,7 +162,7 @@ def _line_at(X, hulls, n):
     return p, vertex(X, hulls, other) - p, 0.0
 
 
-@bare
+@jit
 def look_around(A, B, hulls, n, sigma, wa, wb):
     """The best direction for cores that overlap or nearly touch one of which is curved: n or better.
 
@@ -188,7 +188,7 @@ def look_around(A, B, hulls, n, sigma, wa, wb):
     return climb(A, B, hulls, n, sigma, wa, wb, LIFT * small, math.inf, FINE, STALLED * small, LIFTS)
 
 
-@bare
+@jit
 def best_face(A, B, hulls, wa, wb, least, slack):
     """The face along whose normal the cores are farthest apart, farther than ``least``: its number, whose it is (0 or
     1), the normal from A to B, and how far. -1 if there are none. Faces of A are better by ``slack`` than those of B.
@@ -206,7 +206,7 @@ def best_face(A, B, hulls, wa, wb, least, slack):
     return face, owner, n, best
 
 
-@bare
+@jit
 def _best_of(F, X, hulls, w, least):
     """The same for the faces of F alone: number, outward normal, and how far X is along it; -1 if none is better."""
     to_f = transpose(F.R)
@@ -234,7 +234,7 @@ def _best_of(F, X, hulls, w, least):
     return face, F.R @ n, best
 
 
-@bare
+@jit
 def _guess(A, B, c):
     """Directions from which to improve: between the origins, across each axis, and across both; either way."""
     d = B.p - A.p
@@ -251,7 +251,7 @@ def _guess(A, B, c):
     return m if c & 1 else -m
 
 
-@bare
+@jit
 def best_edges(A, B, hulls):
     """The two edges along whose common normal the cores are farthest apart: the normal, how far, the nearest points of
     the edges, and the feature. Works in the axes of B."""
@@ -299,7 +299,7 @@ def best_edges(A, B, hulls):
     return B.R @ n, best, B.p + B.R @ wa, B.p + B.R @ wb, feature
 
 
-@bare
+@jit
 def scaled_vertex(X, hulls, i):
     """Vertex of row i, in the axes of the shape."""
     v = hulls.vertices

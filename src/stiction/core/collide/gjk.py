@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from stiction.core.collide.hulls import reach_point
-from stiction.core.jit import bare, inlined
+from stiction.core.jit import inlined, jit
 from stiction.core.vec import Vec3, cross, dot, transpose
 
 ITERATIONS = 64
@@ -21,7 +21,7 @@ INNER = 1e-9
 """A face is left out if the origin's share of the corner opposite to it is larger."""
 
 
-@bare
+@jit
 def closest(A, B, hulls, shift, start, limit, floor, tolerance):
     """Distance of A from B moved by ``shift``; ``start`` is a guess of its direction.
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stiction.core.jit import bare, inlined
+from stiction.core.jit import inlined, jit
 from stiction.core.state import BOX, CAPSULE, CYLINDER, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
 from stiction.core.vec import Mat33, Vec3, column, quat, rotation, transpose, vec3
 
@@ -51,7 +51,7 @@ MOST_CORNERS = 32
 """A face of more corners is clipped as the polygon of every second, third... of them."""
 
 
-@bare
+@jit
 def convex_of(bodies, kinds, i, p, hulls):
     """Body i with the origin of its frame at p."""
     s = vec3(bodies, i, SIZE)
@@ -84,7 +84,7 @@ def vertex(X, hulls, i):
     return X.p + X.R @ Vec3(v[i, 0] * X.scale.x, v[i, 1] * X.scale.y, v[i, 2] * X.scale.z)
 
 
-@bare
+@jit
 def shrunk(X, hulls, factor):
     """The core, smaller by a factor, about the middle of its vertices."""
     s, rest = X.scale, 1.0 - factor
@@ -122,7 +122,7 @@ def support(X, hulls, n):
     return X.p + X.R @ reach_point(X, hulls, transpose(X.R) @ n)
 
 
-@bare
+@jit
 def two_best(hulls, hull, m):
     """The vertices of a hull of the table, by row, that lie farthest and second farthest along m: the ends of an
     edge."""
@@ -155,7 +155,7 @@ def face_plane(X, hulls, f):
     return X.R @ m, hulls.planes[i, 3] * (m.x * m.x * X.scale.x + m.y * m.y * X.scale.y + m.z * m.z * X.scale.z)
 
 
-@bare
+@jit
 def facing(X, hulls, n):
     """The face whose normal is nearest to n, -1 if there are no faces."""
     m = transpose(X.R) @ n
@@ -194,7 +194,7 @@ def corner(X, hulls, f, k, u):
     return vertex(X, hulls, hulls.corners[hulls.loops[row, 0] + k * ((m + MOST_CORNERS - 1) // MOST_CORNERS)])
 
 
-@bare
+@jit
 def number_of_two(i, j):
     """One number of two vertices, in either order; huge hulls repeat it."""
     return (min(i, j) & 511) << 9 | (max(i, j) & 511)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stiction.core.jit import bare, inlined
+from stiction.core.jit import inlined, jit
 from stiction.core.state import BODY_A, BODY_B, FEATURE, NORMAL, POINT, SEPARATION
 from stiction.core.vec import Vec3, cross, dot, put_vec3
 
@@ -40,7 +40,7 @@ def emit(contacts, tags, count, a, b, point, normal, separation, feature):
     return count + 1
 
 
-@bare
+@jit
 def reduce(points, n, normal):
     """Choose four of n candidate points so that the patch keeps its depth and its area; they end up in rows 0 to 3.
 
@@ -88,13 +88,13 @@ def reduce(points, n, normal):
     return kept
 
 
-@bare
+@jit
 def _in_plane(points, i, origin, normal):
     d = Vec3(points[i, 0], points[i, 1], points[i, 2]) - origin
     return d - normal * dot(normal, d)
 
 
-@bare
+@jit
 def _sort_by_depth(points, n, normal, size2):
     """Insertion sort by depth, equal ones in their order; returns how many are as deep as the deepest.
 
@@ -115,7 +115,7 @@ def _sort_by_depth(points, n, normal, size2):
     return same
 
 
-@bare
+@jit
 def _is_before(points, i, j, normal, size2, deepest, unit):
     depth_i, depth_j = math.floor((points[i, 3] - deepest) / unit), math.floor((points[j, 3] - deepest) / unit)
     if depth_i != depth_j:
@@ -124,7 +124,7 @@ def _is_before(points, i, j, normal, size2, deepest, unit):
     return dot(d, d) < SAME_PLACE2 * size2 and points[i, 3] < points[j, 3]
 
 
-@bare
+@jit
 def _swap(points, i, j):
     for k in range(points.shape[1]):
         points[i, k], points[j, k] = points[j, k], points[i, k]

@@ -10,12 +10,12 @@ from stiction.core.collide.convex import convex_convex
 from stiction.core.collide.hulls import convex_of
 from stiction.core.collide.on_plane import cylinder_plane, hull_plane
 from stiction.core.collide.sphere import sphere_box, sphere_cylinder, sphere_plane, sphere_sphere
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.state import BOX, CAPSULE, CYLINDER, ORIENTATION, PLANE, POSITION, SHAPE, SIZE, SPHERE
 from stiction.core.vec import Vec3, dot, quat, rotation, vec3
 
 
-@bare
+@jit
 def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, points, boxes_meet, hulls):
     """Fill ``contacts`` from the pairs; returns how many there are, which may exceed the room.
 
@@ -31,7 +31,7 @@ def find_contacts(bodies, kinds, pairs, npairs, contacts, tags, gravity, dt, poi
     return count
 
 
-@bare
+@jit
 def pair_contacts(bodies, kinds, a, b, margin, hint, contacts, tags, count, points, boxes_meet, hulls):
     """Write up to four contact points of bodies a and b that are no farther apart than ``margin``, from row ``count``.
 
@@ -87,7 +87,7 @@ def pair_contacts(bodies, kinds, a, b, margin, hint, contacts, tags, count, poin
     return count, -toward if swapped else toward, gap
 
 
-@bare
+@jit
 def world_plane(bodies, i):
     """Normal and offset of plane i in world coordinates: points with n . x = offset lie on it."""
     n = rotation(quat(bodies, i, ORIENTATION)) @ vec3(bodies, i, SIZE)

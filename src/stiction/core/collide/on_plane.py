@@ -5,13 +5,13 @@ from __future__ import annotations
 from stiction.core.collide.clip import FLAT, UPRIGHT, lowest
 from stiction.core.collide.hulls import vertex
 from stiction.core.collide.manifold import POINTS, ROUND, emit, reduce
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.vec import column, cross, dot, length, put_vec3, vec3
 
 ROOM = 16
 
 
-@bare
+@jit
 def hull_plane(contacts, tags, count, a, A, b, n, offset, origin, hulls, margin, points):
     """The lowest vertices, at most four; of a capsule, its ends. Feature: the number of the vertex.
 
@@ -34,7 +34,7 @@ def hull_plane(contacts, tags, count, a, A, b, n, offset, origin, hulls, margin,
     return count
 
 
-@bare
+@jit
 def cylinder_plane(contacts, tags, count, a, A, b, n, offset, origin, margin):
     """A cap that lies flat: four points of its rim, fixed to the body. A tilted cap: its lowest point, then those
     across and opposite as far as they are within the margin. The side: the lowest point of either rim.

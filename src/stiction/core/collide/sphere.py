@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 
 from stiction.core.collide.manifold import emit
-from stiction.core.jit import bare
+from stiction.core.jit import jit
 from stiction.core.vec import Vec3, dot, length, rotation, transpose
 
 
-@bare
+@jit
 def sphere_sphere(contacts, tags, count, a, pa, ra, b, pb, rb, margin):
     """The point half way between the surfaces, on the line of centres."""
     d = pb - pa
@@ -25,7 +25,7 @@ def sphere_sphere(contacts, tags, count, a, pa, ra, b, pb, rb, margin):
     return emit(contacts, tags, count, a, b, point, normal, separation, 0), separation
 
 
-@bare
+@jit
 def sphere_box(contacts, tags, count, a, pa, radius, b, pb, qb, half, margin):
     """The point of the box nearest to the centre; from inside, the face that is nearest."""
     R = rotation(qb)
@@ -56,7 +56,7 @@ def sphere_box(contacts, tags, count, a, pa, radius, b, pb, qb, half, margin):
     return emit(contacts, tags, count, a, b, point, normal, separation, 0), separation
 
 
-@bare
+@jit
 def sphere_plane(contacts, tags, count, a, pa, radius, b, n, offset, margin):
     """``n`` and ``offset`` of the plane in world coordinates."""
     separation = dot(n, pa) - offset - radius
@@ -65,7 +65,7 @@ def sphere_plane(contacts, tags, count, a, pa, radius, b, n, offset, margin):
     return emit(contacts, tags, count, a, b, pa - n * (radius + 0.5 * separation), -n, separation, 0)
 
 
-@bare
+@jit
 def sphere_cylinder(contacts, tags, count, a, pa, radius, b, pb, qb, size, margin):
     """The point of the cylinder nearest to the centre; from inside, the cap or the side, whichever is nearer."""
     R = rotation(qb)
