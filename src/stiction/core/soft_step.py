@@ -183,12 +183,13 @@ def take_steps(
 
         moving = list_moving(bodies, kinds, lists, scratch.normals, touching, gravity)
         lap(profile, 3)
-        fresh = any_fresh(soft.manifolds, scratch.active, active)
-        call(team, SOLVE, blocks, moving, substeps, h, fresh)
-        run_passes(
-            soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], blocks, moving, h, substeps,
-            fresh, profile, rolls, team, 0,
-        )  # fmt: skip
+        if blocks > 0:
+            fresh = any_fresh(soft.manifolds, scratch.active, active)
+            call(team, SOLVE, blocks, moving, substeps, h, fresh)
+            run_passes(
+                soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], blocks, moving, h,
+                substeps, fresh, profile, rolls, team, 0,
+            )  # fmt: skip
 
         bad = first_bad_row(bodies, kinds, lists, awake, soft.rows, gravity, dt)
         if bad >= 0:

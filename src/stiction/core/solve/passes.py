@@ -21,8 +21,6 @@ def run_passes(
     ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, and ``moving`` bodies;
     ``fresh``: whether any manifold is new. Every worker does a share of each colour, and they meet before the next one.
     """
-    if count == 0:
-        return  # then no body is in contact either
     blocks, index, manifolds, rows, aux = soft.blocks, soft.members, soft.manifolds, soft.rows, soft.aux
     beta, compliance, beta_stiff, compliance_stiff = softness(h)
     rounds = count_rounds(sizes, team)
