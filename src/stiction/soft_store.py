@@ -80,28 +80,7 @@ class SoftStore(Store):
             self._rolls = 1 if table[:, :, state.ROLLING].any() else None
         announce_compilation()
         while left:
-            chunk = min(left, max(1, CHUNK // self.n))
-            boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
-            bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if self._bounces else ()
-            if jit.config.DISABLE_JIT:
-                reason, done, number = soft_step.take_steps(
-                    chunk, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
-                    settings, self.ledger, self.cycles, boxes_meet, self.hulls.arrays if self.polytopes else None,
-                    bounces or None, self._rolls, None,
-                )  # fmt: skip
-            else:
-                given = (
-                    chunk, self.n, self._book(table, settings, bounces), self._one, boxes_meet,
-                    1 if self.polytopes else None, 1 if bounces else None, self._rolls,
-                )  # fmt: skip
-                if self.crew.threads == 1:
-                    reason, done, number = soft_entry.soft_step(*given, None)
-                else:
-                    shared = Arrays(
-                        self.bodies, self.kinds, self.cache.pairs, self.soft, self.scratch, table, boxes_meet,
-                        self.hulls.arrays if self.polytopes else None, self._rolls,
-                    )  # fmt: skip
-                    reason, done, number = self.crew.lead(functools.partial(soft_entry.soft_step, *given), shared)
+            reason, done, number = self._take(min(left, max(1, CHUNK // self.n)), settings, table)
             self.steps += done
             left -= done
             if reason == soft_step.MORE_PAIRS:
@@ -114,6 +93,27 @@ class SoftStore(Store):
                 return StepFailure(number, self.steps)
         self.seconds += time.perf_counter() - began
         return None
+
+    def _take(self, steps: int, settings: state.Settings, table: Array) -> Any:
+        """Call the kernel: its reason to return, how many steps it took, and a number that goes with the reason."""
+        boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
+        hulls = self.hulls.arrays if self.polytopes else None
+        bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if self._bounces else ()
+        if jit.config.DISABLE_JIT:
+            return soft_step.take_steps(
+                steps, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
+                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces or None, self._rolls, None,
+            )  # fmt: skip
+        given = (
+            steps, self.n, self._book(table, settings, bounces), self._one, boxes_meet, 1 if hulls else None,
+            1 if bounces else None, self._rolls,
+        )  # fmt: skip
+        if self.crew.threads == 1:
+            return soft_entry.soft_step(*given, None)
+        shared = Arrays(
+            self.bodies, self.kinds, self.cache.pairs, self.soft, self.scratch, table, boxes_meet, hulls, self._rolls
+        )
+        return self.crew.lead(functools.partial(soft_entry.soft_step, *given), shared)
 
     def _book(self, table: Array, settings: state.Settings, bounces: tuple[Any, ...]) -> NDArray[np.int64]:
         """Where all arrays are that a step needs, written anew if one of them was replaced.

@@ -37,8 +37,7 @@ def update_manifolds(
     """Bring the manifolds of all pairs up to date that have a body that is awake, and mark those with points.
 
     A manifold depends on its two bodies and on itself, so it does not matter which worker takes it. ``contacts``,
-    ``tags`` and ``points`` are the worker's own scratch. Arrays are taken out of their tuples before the loop: inside,
-    each would cost two atomic operations on its reference count.
+    ``tags`` and ``points`` are the worker's own scratch.
     """
     manifolds, meta, reports, pose = soft.manifolds, soft.meta, soft.reports, soft.pose
     piece = 0

@@ -15,6 +15,7 @@ from stiction.core.contact_space import world_inverse_inertia
 from stiction.core.integrate import gyroscopic
 from stiction.core.jit import jit
 from stiction.core.lanes import load_part, store_part
+from stiction.core.ledger import spin_energy
 from stiction.core.sleep import REST_SPEED
 from stiction.core.state import (
     CENTER,
@@ -49,7 +50,6 @@ from stiction.core.vec import (
     put_vec3,
     quat,
     rotation,
-    transpose,
     turn,
     vec3,
     wide,
@@ -156,22 +156,15 @@ def finish_contact(bodies, i, pose, rows, dt, ledger):
     put_vec3(bodies, i, W, w1)
     enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
     angle = wide(vec3(rows, r, s.ROW_TURN))
+    turns = dot(angle, angle) > NO_TURN * NO_TURN
+    had = spin_energy(bodies, i) if turns else 0.0
     _go(bodies, i, pose, wide(vec3(rows, r, s.ROW_D)), angle, dt)
-    if dot(angle, angle) > NO_TURN * NO_TURN:
-        put_vec3(bodies, i, W, slowed(bodies, i, mat33(pose, r, s.POSE_ROTATION), w1))
-
-
-@jit
-def slowed(bodies, i, before, w):
-    """The spin w of body i after a step in which it turned from ``before``, less if the turn would give it energy.
-
-    The passes see the inertia of the start. A body whose spin changes within the step turns about another axis than
-    that of its last spin, so a needle that rolled fast would keep its spin and no longer have it along itself.
-    """
-    inertia, after = mat33(bodies, i, INERTIA), rotation(quat(bodies, i, ORIENTATION))
-    first, last = transpose(before) @ w, transpose(after) @ w
-    had, has = dot(first, inertia @ first), dot(last, inertia @ last)
-    return w * math.sqrt(had / has) if has > had else w
+    # The passes see the inertia of the start, and what changes its spin within the step turns about another axis than
+    # that of its last spin: a needle that rolled fast would keep its spin and no longer have it along itself.
+    if turns:
+        has = spin_energy(bodies, i)
+        if has > had:
+            put_vec3(bodies, i, W, w1 * math.sqrt(had / has))
 
 
 @jit

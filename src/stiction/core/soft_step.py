@@ -349,11 +349,7 @@ def list_awake(kinds, n, lists, counts):
 
 @jit
 def begin_bodies(bodies, kinds, awake, count, pose, rows, aux, gravity, g, dt, h):
-    """Poses, bounds and solver rows of the bodies that are awake.
-
-    Here and below the loops take the arrays that they need one by one: an array that is taken out of a tuple inside a
-    loop costs two atomic operations on its reference count each time.
-    """
+    """Poses, bounds and solver rows of the bodies that are awake."""
     for k in range(count):
         begin_body(bodies, kinds, awake[k], pose, rows, aux, gravity, g, dt, h)
 
