@@ -15,8 +15,10 @@ from stiction.errors import (
     StictionWarning,
 )
 from stiction.events import ContactEvents, EventKind
-from stiction.materials import MaterialTable, PairProperties
+from stiction.laws import BrushTyre, Coulomb, FrictionCurve, FrictionLaw, MagicFormula, Stribeck
+from stiction.materials import MaterialTable
 from stiction.motion import Motion
+from stiction.pair_properties import PairProperties
 from stiction.queries import RayHit, RayHits
 from stiction.reports import Energy, SolverReport
 from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
@@ -25,14 +27,19 @@ from stiction.world import World
 __all__ = [
     "Body",
     "Box",
+    "BrushTyre",
     "Capsule",
     "ContactEvents",
     "ConvexHull",
+    "Coulomb",
     "Cylinder",
     "Energy",
     "EventKind",
+    "FrictionCurve",
+    "FrictionLaw",
     "InvalidInputError",
     "IterationLimitWarning",
+    "MagicFormula",
     "MaterialTable",
     "MaterialWarning",
     "Motion",
@@ -48,6 +55,7 @@ __all__ = [
     "Sphere",
     "StictionError",
     "StictionWarning",
+    "Stribeck",
     "World",
     "__version__",
 ]

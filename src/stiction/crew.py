@@ -28,6 +28,7 @@ class Arrays(NamedTuple):
     boxes_meet: Any
     hulls: Any
     rolls: Any
+    laws: Any
 
 
 class Crew:
@@ -71,12 +72,12 @@ class Crew:
 
     def _compile(self, arrays: Arrays) -> None:
         """Have the workers' kernel ready before any of them waits for another: alone, it goes home at once."""
-        kind = (arrays.boxes_meet is None, arrays.hulls is None, arrays.rolls is None)
+        kind = (arrays.boxes_meet is None, arrays.hulls is None, arrays.rolls is None, arrays.laws is None)
         if kind not in self._ready:
             _assist(arrays, self._scratch[0], make_team(1), 0)
             self._ready.add(kind)
 
 
 def _assist(arrays: Arrays, scratch: tuple[Any, ...], team: Team, worker: int) -> None:
-    bodies, kinds, pairs, soft, lists, table, boxes_meet, hulls, rolls = arrays
-    assist(bodies, kinds, pairs, soft, lists, *scratch, table, boxes_meet, hulls, rolls, team, worker)
+    bodies, kinds, pairs, soft, lists, table, boxes_meet, hulls, rolls, laws = arrays
+    assist(bodies, kinds, pairs, soft, lists, *scratch, table, boxes_meet, hulls, rolls, laws, team, worker)

@@ -13,7 +13,6 @@ import functools
 import math
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass
 from typing import Any, NamedTuple, Self
 
 import numpy as np
@@ -21,44 +20,14 @@ from numpy.typing import NDArray
 
 from stiction import checks
 from stiction.errors import InvalidInputError, MaterialWarning
+from stiction.laws import PARAMETERS, Coulomb, FrictionLaw, law_from
+from stiction.pair_properties import EXTRAS, LABELS, PROPERTIES, PairProperties, check_value
 
 DEFAULT_MATERIAL = "default"
 """The material of a body that names none. It exists in every table, and so does its pair with itself."""
 
-PROPERTIES = ("static", "dynamic", "restitution", "rolling", "torsional")
-"""The numbers of a pair, in the order of the last axis of :meth:`MaterialTable.to_array`."""
-
-_LABELS = {
-    "static": "static friction",
-    "dynamic": "dynamic friction",
-    "restitution": "restitution",
-    "rolling": "rolling resistance",
-    "torsional": "torsional resistance",
-}
-
 Pair = tuple[str, str]
-Row = dict[str, str | float]
-
-
-@dataclass(frozen=True, slots=True)
-class PairProperties:
-    """What two materials do to each other where they touch.
-
-    Attributes:
-        static: coefficient of static friction, dimensionless: a contact sticks while |f_t| <= static * f_n.
-        dynamic: coefficient of dynamic friction, dimensionless: a sliding contact has |f_t| = dynamic * f_n.
-        restitution: ratio of the normal speeds after and before an impact, 0 to 1.
-        rolling: lever arm of rolling resistance in m: the moment against rolling is at most rolling * f_n.
-        torsional: lever arm of torsional resistance in m: the moment against spinning is at most torsional * f_n.
-        source: where the numbers come from.
-    """
-
-    static: float
-    dynamic: float
-    restitution: float
-    rolling: float
-    torsional: float
-    source: str
+Row = dict[str, Any]
 
 
 # A world works before anything is set up: the lecture's first row, a wooden crate on concrete, without any bounce.
@@ -127,7 +96,7 @@ class MaterialTable:
                 table.add_material(row["material"])
                 continue
             for key in row:
-                checks.one_of(f"key of materials row {number}", key, ["a", "b", *PROPERTIES, "source"])
+                checks.one_of(f"key of materials row {number}", key, ["a", "b", *PROPERTIES, *EXTRAS, "law", "source"])
             for key in ("a", "b"):
                 if key not in row:
                     raise InvalidInputError(
@@ -147,7 +116,10 @@ class MaterialTable:
         rows: list[Row] = [{"material": name} for name in sorted(self._materials - paired)]
         for a, b, properties in self.pairs():
             numbers = {name: getattr(properties, name) for name in PROPERTIES}
-            rows.append({"a": a, "b": b, **numbers, "source": properties.source})
+            extras = {name: value for name in EXTRAS if (value := getattr(properties, name))}
+            if properties.law != Coulomb():
+                extras["law"] = properties.law.as_dict()
+            rows.append({"a": a, "b": b, **numbers, **extras, "source": properties.source})
         return rows
 
     # -- change -------------------------------------------------------------------------------------------------------
@@ -173,6 +145,11 @@ class MaterialTable:
         restitution: float | None = None,
         rolling: float | None = None,
         torsional: float | None = None,
+        law: FrictionLaw | Mapping[str, Any] | None = None,
+        static_across: float | None = None,
+        dynamic_across: float | None = None,
+        adhesion: float | None = None,
+        adhesion_pressure: float | None = None,
         source: str = "set by user",
     ) -> None:
         """Sets the properties of two materials, which need not be known before.
@@ -188,6 +165,12 @@ class MaterialTable:
             restitution: coefficient of restitution, 0 to 1.
             rolling: lever arm of rolling resistance in m, 0 or more.
             torsional: lever arm of torsional resistance in m, 0 or more.
+            law: how the dynamic coefficient depends on speed or slip; :class:`stiction.laws.Coulomb` for not at all.
+            static_across: coefficient of static friction across the grain of a body that has one (see
+                :meth:`World.add`), 0 or more; ``static`` is the one along it.
+            dynamic_across: the same for dynamic friction.
+            adhesion: force with which a contact holds on when it is pulled, 0 N or more.
+            adhesion_pressure: the same per area of a face, 0 Pa or more.
             source: where the numbers come from.
 
         Raises:
@@ -206,8 +189,16 @@ class MaterialTable:
             "restitution": restitution,
             "rolling": rolling,
             "torsional": torsional,
+            "static_across": static_across,
+            "dynamic_across": dynamic_across,
+            "adhesion": adhesion,
+            "adhesion_pressure": adhesion_pressure,
         }
-        checked = {name: _check_value(name, words, value) for name, value in given.items() if value is not None}
+        checked: dict[str, Any] = {
+            name: check_value(name, words, value) for name, value in given.items() if value is not None
+        }
+        if law is not None:
+            checked["law"] = law_from(law)
         if not isinstance(source, str) or not source.strip():
             raise InvalidInputError(f"source of {words} must be a non-empty text, got {source!r}.")
         if before is None and "static" not in checked:
@@ -216,7 +207,13 @@ class MaterialTable:
         if before is None:
             values = {"dynamic": checked["static"], "restitution": 0.0, "rolling": 0.0, "torsional": 0.0, **checked}
         else:
-            values = {name: checked.get(name, getattr(before, name)) for name in PROPERTIES}
+            values = {name: checked.get(name, getattr(before, name)) for name in (*PROPERTIES, *EXTRAS, "law")}
+        for name, along in (("static_across", "static"), ("dynamic_across", "dynamic")):
+            if values.get(name) is not None and (values[name] == 0.0) != (values[along] == 0.0):
+                raise InvalidInputError(
+                    f"{LABELS[name]} of {words} must be above 0 where the one along it is, and 0 where that is 0, "
+                    f"got {values[name]:g} across and {values[along]:g} along."
+                )
         after = PairProperties(**values, source=source)
         if after != before:
             self._pairs[key] = after
@@ -283,15 +280,20 @@ class MaterialTable:
 
         Returns:
             (k, k, 5) array, symmetric in its first two axes: static, dynamic, restitution (dimensionless), rolling,
-            torsional (m).
+            torsional (m). If any of the pairs has more, (k, k, 10 + PARAMETERS): then also the ratios across / along
+            of static and dynamic friction, adhesion (N) and adhesion pressure (Pa), and the code and the parameters of
+            the law.
 
         Raises:
             InvalidInputError: a material is not known.
         """
-        result = np.empty((len(names), len(names), len(PROPERTIES)))
-        for i, a in enumerate(names):
-            for j, b in enumerate(names[: i + 1]):
-                result[i, j] = result[j, i] = astuple(self.pair(a, b))[: len(PROPERTIES)]
+        pairs = {(i, j): self.pair(a, b) for i, a in enumerate(names) for j, b in enumerate(names[: i + 1])}
+        plain = all(pair.is_plain for pair in pairs.values())
+        width = len(PROPERTIES) if plain else len(PROPERTIES) + len(EXTRAS) + 1 + PARAMETERS
+        result = np.zeros((len(names), len(names), width))
+        for (i, j), pair in pairs.items():
+            row = pair.numbers() if plain else (*pair.numbers(), *pair.extras())
+            result[i, j, : len(row)] = result[j, i, : len(row)] = row
         return result
 
     @property
@@ -337,11 +339,11 @@ class MaterialTable:
 
     def _find_own(self, name: str) -> _Own:
         if (name, name) in self._pairs:
-            return _Own(_numbers(self._pairs[name, name]), f"{name} ({name} - {name})")
+            return _Own(self._pairs[name, name].numbers(), f"{name} ({name} - {name})")
         keys = sorted(key for key in self._pairs if name in key)
         if not keys:
-            return _Own(_numbers(self._pairs[DEFAULT_MATERIAL, DEFAULT_MATERIAL]), f"{name} (as {DEFAULT_MATERIAL})")
-        columns = zip(*(_numbers(self._pairs[key]) for key in keys), strict=True)
+            return _Own(self._pairs[DEFAULT_MATERIAL, DEFAULT_MATERIAL].numbers(), f"{name} (as {DEFAULT_MATERIAL})")
+        columns = zip(*(self._pairs[key].numbers() for key in keys), strict=True)
         mean = tuple(_mean(column) for column in columns)
         words = " - ".join(keys[0]) if len(keys) == 1 else f"mean of {len(keys)} pairs"
         return _Own(mean, f"{name} ({words})")
@@ -378,10 +380,6 @@ def _key(a: str, b: str) -> Pair:
     return (a, b) if a <= b else (b, a)
 
 
-def _numbers(properties: PairProperties) -> tuple[float, ...]:
-    return tuple(getattr(properties, name) for name in PROPERTIES)
-
-
 def _geometric_mean(x: float, y: float) -> float:
     # Equal values come back exactly; the product of the roots cannot overflow.
     return x if x == y else math.sqrt(x) * math.sqrt(y)
@@ -396,16 +394,6 @@ def _check_name(name: Any) -> str:
     if not isinstance(name, str) or not name or name != name.strip():
         raise InvalidInputError(f"material name must be a non-empty text without blanks around it, got {name!r}.")
     return name
-
-
-def _check_value(name: str, words: str, value: Any) -> float:
-    label = f"{_LABELS[name]} of {words}"
-    if name == "restitution":
-        result = checks.number(label, value)
-        if not 0.0 <= result <= 1.0:
-            raise InvalidInputError(f"{label} must be between 0 and 1, got {value!r}.")
-        return result
-    return checks.non_negative(label, value, "m" if name in ("rolling", "torsional") else "")
 
 
 @functools.cache

@@ -47,6 +47,7 @@ class SoftStore(Store):
         self._written: tuple[tuple[int, ...], tuple[Any, ...], NDArray[np.int64]] = (), (), NOTHING_WRITTEN
         self._bounces = False
         self._rolls: int | None = None
+        self._laws: int | None = None
         self._edited: set[int] = set()
         self._tree_is_fresh = False
 
@@ -77,7 +78,9 @@ class SoftStore(Store):
         if table is not self._table:
             self._table = table
             self._bounces = bool(table[:, :, state.RESTITUTION].any())
-            self._rolls = 1 if table[:, :, state.ROLLING].any() else None
+            self._laws = 1 if table.shape[2] > state.STATIC_ACROSS else None
+            # whoever has laws compiles rolling resistance too: one variant of the step less
+            self._rolls = 1 if self._laws or table[:, :, state.ROLLING].any() else None
         announce_compilation()
         while left:
             reason, done, number = self._take(min(left, max(1, CHUNK // self.n)), settings, table)
@@ -102,16 +105,25 @@ class SoftStore(Store):
         if jit.config.DISABLE_JIT:
             return soft_step.take_steps(
                 steps, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
-                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces or None, self._rolls, None,
+                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces or None, self._rolls, self._laws, None,
             )  # fmt: skip
         given = (
             steps, self.n, self._book(table, settings, bounces), self._one, boxes_meet, 1 if hulls else None,
-            1 if bounces else None, self._rolls,
+            1 if bounces else None, self._rolls, self._laws,
         )  # fmt: skip
         if self.crew.threads == 1:
             return soft_entry.soft_step(*given, None)
         shared = Arrays(
-            self.bodies, self.kinds, self.cache.pairs, self.soft, self.scratch, table, boxes_meet, hulls, self._rolls
+            self.bodies,
+            self.kinds,
+            self.cache.pairs,
+            self.soft,
+            self.scratch,
+            table,
+            boxes_meet,
+            hulls,
+            self._rolls,
+            self._laws,
         )
         return self.crew.lead(functools.partial(soft_entry.soft_step, *given), shared)
 
@@ -139,6 +151,10 @@ class SoftStore(Store):
         if len(self.lists.group) < len(self.bodies) or len(self.lists.touching) < 2 * len(self.contacts):
             self.lists = state.make_lists(len(self.bodies), len(self.contacts), 0)
         return self.lists
+
+    def set_grain(self, index: int, direction: Array) -> None:
+        """Direction of the surface of body ``index`` in the shape's axes."""
+        self.soft.grain[index + 1] = direction
 
     def edited(self, index: int) -> None:
         """Body ``index`` was changed from outside: it wakes with all that touch it."""
@@ -219,7 +235,7 @@ class SoftStore(Store):
         self.kinds[:n, state.ISLAND][asleep] = new[self.kinds[:n, state.ISLAND][asleep]]
         close_gaps(cache.marks[:n], keep)
         cache.marks[left:n] = 0
-        for rows in (self.soft.pose, self.soft.rows, self.soft.aux):
+        for rows in (self.soft.pose, self.soft.rows, self.soft.aux, self.soft.grain):
             close_gaps(rows[1 : n + 1], keep)
             rows[left + 1 : n + 1] = 0
         self._close_gaps(keep)

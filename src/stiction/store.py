@@ -130,6 +130,10 @@ class Store:
         """A view of the same numbers of all bodies, (n, width), valid until a body is added."""
         return self.bodies[: self.n, start : start + width]
 
+    def set_grain(self, index: int, direction: Array) -> None:
+        """Direction of the surface of body ``index`` in the shape's axes."""
+        raise NotImplementedError
+
     def edited(self, index: int) -> None:
         """Body ``index`` was changed from outside."""
 

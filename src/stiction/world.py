@@ -19,6 +19,7 @@ from stiction.contacts import CONTACT_DTYPE
 from stiction.errors import InvalidInputError, IterationLimitWarning, NotYetError, SimulationError
 from stiction.events import ContactEvents, EventLog
 from stiction.materials import MaterialTable
+from stiction.pair_properties import PROPERTIES
 from stiction.queries import Queries
 from stiction.reports import Energy, SolverReport
 from stiction.shapes import Shape
@@ -146,6 +147,7 @@ class World(Queries):
         material: str = "default",
         name: str | None = None,
         surface_velocity: ArrayLike | None = None,
+        grain: ArrayLike | None = None,
         layer: int = 1,
         mask: int = checks.ALL_LAYERS,
         sensor: bool = False,
@@ -164,6 +166,9 @@ class World(Queries):
             material: its name in the world's table.
             name: unique; made from shape and number if left out.
             surface_velocity: of a belt relative to the body, in the shape's axes, (3,), m/s.
+            grain: direction of the surface in the shape's axes, (3,), for pairs of materials that have coefficients
+                across it besides those along it: the runner of a skate, brushed metal, wood. Where both bodies have
+                one, that of the first one counts. None if left out.
             layer: a whole number whose bits are the layers that the body is on. mask: the layers that it meets, -1 for
                 all of them. Two bodies meet if each is on a layer that the other one meets.
             sensor: it notices who overlaps it (:meth:`overlaps`, :meth:`contact_events`), and neither pushes nor is
@@ -195,6 +200,9 @@ class World(Queries):
                 f"velocity and angular_velocity of static body {name!r} must be zero (a kinematic body moves, "
                 f"surface_velocity makes a belt)."
             )
+        direction = None if grain is None else checks.unit_vector("grain", grain)
+        if direction is not None and self._solver == "micro":
+            raise NotYetError("grain is not there yet with solver 'micro'; solver 'soft' has it.")
         row.update(mass_columns(shape, fixed, mass, density, inertia))
         bits = checks.layers("layer", layer), checks.layers("mask", mask)
         if not isinstance(sensor, bool):
@@ -209,6 +217,8 @@ class World(Queries):
         index = self._store.add(row, code, mobility, self._material_row(material))
         self._store.kinds[index, state.LAYER : state.SENSOR + 1] = *bits, sensor
         self._store.sensors += sensor
+        if direction is not None:
+            self._store.set_grain(index, direction)
         self._added += 1
         body = Body(self, index, name, shape, material)
         self._bodies.append(body)
@@ -484,7 +494,12 @@ class World(Queries):
         """The coefficients of the materials in use, (k, k, 5), made anew only when something changed."""
         key = (id(self.materials), self.materials.version, len(self._material_names))
         if key != self._table_of:
-            self._table = self.materials.to_array(self._material_names)
+            table = self.materials.to_array(self._material_names)
+            if self._solver == "micro" and table.shape[2] > len(PROPERTIES):
+                raise NotYetError(
+                    "laws, grain and adhesion of a pair are not there yet with solver 'micro'; solver 'soft' has them."
+                )
+            self._table = table
             self._table_of = key
         return self._table
 

@@ -10,7 +10,8 @@ import typer
 from stiction import checks
 from stiction.cli.console import out, print_json, table
 from stiction.errors import InvalidInputError
-from stiction.materials import MaterialTable, PairProperties
+from stiction.materials import MaterialTable
+from stiction.pair_properties import PairProperties
 
 TABLES = {"default": MaterialTable.default, "lecture": MaterialTable.lecture}
 NUMBERS = ("static", "dynamic", "restitution", "rolling [m]", "torsional [m]")
@@ -41,4 +42,4 @@ def materials(
 
 
 def _as_dict(a: str, b: str, pair: PairProperties) -> dict[str, Any]:
-    return {"a": a, "b": b, **asdict(pair)}
+    return {"a": a, "b": b, **asdict(pair), "law": pair.law.as_dict()}

@@ -37,16 +37,17 @@ def book_of(
 
 
 @entry
-def soft_step(steps, n, book, one, boxes_meet, hulls, bounces, rolls, team):
+def soft_step(steps, n, book, one, boxes_meet, hulls, bounces, rolls, laws, team):
     """:func:`stiction.core.soft_step.take_steps` of n bodies; ``one`` is 1 in the precision of the solver.
 
-    ``boxes_meet``, ``hulls``, ``bounces`` and ``rolls`` are None or 1: what no body of the world needs is not compiled.
+    ``boxes_meet``, ``hulls``, ``bounces``, ``rolls`` and ``laws`` are None or 1: what no body of the world needs is not
+    compiled.
     """
     return take_steps(
         steps, matrix_at(book, BODIES, 0.0), matrix_at(book, KINDS, 0), n, tree_at(book, TREE), cache_at(book, CACHE),
         soft_at(book, SOFT, one), scratch_at(book, SCRATCH), cube_at(book, TABLE, 0.0), settings_at(book, SETTINGS),
         vector_at(book, LEDGER, 0.0), vector_at(book, CYCLES, 0), boxes_meet, hulls_at(book, HULLS, hulls),
-        bounces_at(book, BOUNCES, bounces), rolls, team,
+        bounces_at(book, BOUNCES, bounces), rolls, laws, team,
     )  # fmt: skip
 
 
@@ -80,7 +81,7 @@ def soft_at(book, k, one):
     return Soft(
         matrix_at(book, k, one), matrix_at(book, k + 1, 0.0), matrix_at(book, k + 2, one), matrix_at(book, k + 3, one),
         matrix_at(book, k + 4, np.int32(0)), matrix_at(book, k + 5, one), matrix_at(book, k + 6, one),
-        matrix_at(book, k + 7, 0.0),
+        matrix_at(book, k + 7, 0.0), matrix_at(book, k + 8, 0.0),
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from stiction.core import soft_rows as s
 from stiction.core.clock import lap, start_clock
 from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
 from stiction.core.find import list_manifolds, update_manifolds
+from stiction.core.friction.laws import laws_of
 from stiction.core.integrate import first_not_finite, is_number, keep_body, restore_body
 from stiction.core.jit import entry, jit
 from stiction.core.ledger import note_edits, total_energy
@@ -108,18 +109,19 @@ def make_scratch(n: int, p: int, colours: int) -> Scratch:
 @jit
 def take_steps(
     steps, bodies, kinds, n, tree, cache, soft, scratch, table, settings, ledger, profile, boxes_meet, hulls, bounces,
-    rolls, team,
+    rolls, laws, team,
 ):  # fmt: skip
     """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason).
 
     When there is no room for a step's pairs, blocks or impacts it returns before that step has changed anything but the
     manifolds, which are found anew or kept when it is taken again, with the room that is needed; when a body would no
     longer be finite, with that body, and all bodies as they were before.
+    ``laws``: 1 where a pair has more than constant coefficients, else None.
     ``team``: None, or the :class:`stiction.core.team.Team` whose other workers are in :func:`assist`.
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
     g, dt = length(gravity), settings.dt
-    lists = scratch.bodies
+    lists, laws = scratch.bodies, laws_of(laws, kinds, table, soft)
     broken = first_not_finite(bodies, n)
     if broken >= 0:
         for i in range(n):
@@ -188,7 +190,7 @@ def take_steps(
             call(team, SOLVE, blocks, moving, substeps, h, fresh)
             run_passes(
                 soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], blocks, moving, h,
-                substeps, fresh, profile, rolls, team, 0,
+                substeps, fresh, profile, rolls, laws, team, 0,
             )  # fmt: skip
 
         bad = first_bad_row(bodies, kinds, lists, awake, soft.rows, gravity, dt)
@@ -203,7 +205,9 @@ def take_steps(
             close_soft_ledger(bodies, n, gravity, ledger)
             keep_states(bodies, lists[AWAKE], awake)
             return BLOWN_UP, done, bad
-        store_blocks(bodies, soft.blocks, soft.members, blocks, soft.manifolds, soft.reports, h, dt / SETTLING, ledger)
+        store_blocks(
+            bodies, soft.blocks, soft.members, blocks, soft.manifolds, soft.reports, h, dt / SETTLING, ledger, laws
+        )
         ledger[WORK] += drive_work(
             bodies, kinds, scratch.active, active, soft.manifolds, soft.meta, soft.pose, soft.reports
         )
@@ -225,12 +229,15 @@ def take_steps(
 
 
 @entry
-def assist(bodies, kinds, pairs, soft, scratch, contacts, tags, points, table, boxes_meet, hulls, rolls, team, worker):
+def assist(
+    bodies, kinds, pairs, soft, scratch, contacts, tags, points, table, boxes_meet, hulls, rolls, laws, team, worker
+):  # fmt: skip
     """Do a worker's share of all jobs of the leader, who is in :func:`take_steps`, until the team goes home.
 
     ``contacts``, ``tags`` and ``points`` are the worker's own scratch; only the leader keeps a profile.
     """
     lists, words, numbers = scratch.bodies, team.words, team.numbers
+    laws = laws_of(laws, kinds, table, soft)
     while True:
         meet(team)
         if words[JOB] == HOME:
@@ -244,7 +251,7 @@ def assist(bodies, kinds, pairs, soft, scratch, contacts, tags, points, table, b
         else:
             run_passes(
                 soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], words[COUNT],
-                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], numbers[1] > 0.0, words, rolls, team, worker,
+                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], numbers[1] > 0.0, words, rolls, laws, team, worker,
             )  # fmt: skip
 
 

@@ -21,6 +21,9 @@ STATIC, KINEMATIC, DYNAMIC = 0, 1, 2
 
 STATIC_MU, DYNAMIC_MU, RESTITUTION, ROLLING, TORSIONAL = range(5)
 """Columns of the pair table, and from MU on of a contact."""
+STATIC_ACROSS, DYNAMIC_ACROSS, ADHESION, ADHESION_PRESSURE, LAW, LAW_FIRST = range(5, 11)
+"""Columns that a table has where some pair needs them: coefficients across the grain over those along it; force (N) and
+pressure (Pa) with which a contact holds on; code and parameters of the law of sliding."""
 
 
 def _starts(*widths: int) -> list[int]:

@@ -134,6 +134,8 @@ Duration = Annotated[float, Field(gt=0.0), above_zero("s")]
 Time = Annotated[float, Field(ge=0.0), zero_or_more("s")]
 Speed = Annotated[float, Field(ge=0.0), zero_or_more("m/s")]
 Coefficient = Annotated[float, Field(ge=0.0), zero_or_more("")]
+Force = Annotated[float, Field(ge=0.0), zero_or_more("N")]
+Pressure = Annotated[float, Field(ge=0.0), zero_or_more("Pa")]
 Arm = Annotated[float, Field(ge=0.0), zero_or_more("m")]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0), BeforeValidator(_fraction)]
 

@@ -78,6 +78,16 @@ class PairTable(Table):
     """Lever arm of rolling resistance, m."""
     torsional: fields.Arm | None = None
     """Lever arm of torsional resistance, m."""
+    law: dict[str, Any] | None = None
+    """How the dynamic coefficient depends on speed or slip, such as {kind = "stribeck", speed = 0.01}."""
+    static_across: fields.Coefficient | None = None
+    """Coefficient of static friction across the grain of a body that has one."""
+    dynamic_across: fields.Coefficient | None = None
+    """The same for dynamic friction."""
+    adhesion: fields.Force | None = None
+    """Force with which a contact holds on, N."""
+    adhesion_pressure: fields.Pressure | None = None
+    """The same per area of a face, Pa."""
     source: Text | None = None
     """Where the numbers come from."""
 
@@ -240,6 +250,8 @@ class BodyTable(_Placed):
     """rad/s"""
     surface_velocity: Vector | None = None
     """Of a belt relative to the body, in the shape's axes, m/s."""
+    grain: fields.Direction | None = None
+    """Direction in the shape's axes along which its surface has its coefficients along; none if left out."""
     grid: GridTable | None = None
     """Copies of it."""
 

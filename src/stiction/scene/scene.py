@@ -109,6 +109,7 @@ class Scene:
                     material=body.material,
                     name=placed.name,
                     surface_velocity=body.surface_velocity,
+                    grain=body.grain,
                 )
             except (InvalidInputError, NotYetError) as error:
                 raise type(error)(f"bodies[{placed.entry}]: {error}") from None

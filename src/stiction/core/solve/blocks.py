@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.contact_space import inverse_mass_matrix, skew
+from stiction.core.friction.laws import prepare_laws, scaled_force, stretch
 from stiction.core.friction.patch import Sym3, arm_of_pressure, inverse_sym, surface_of
 from stiction.core.jit import jit
 from stiction.core.lanes import gather, greatest, least, load, select, splat, sqrt, store
@@ -128,11 +129,12 @@ def soften(A, gamma):
 
 
 @jit
-def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_stiff, soft_stiff):
+def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_stiff, soft_stiff, laws):
     """Fill block i. ``index`` rows i, i + count, i + 2 count name the bodies a, b and the manifolds of its lanes.
 
     ``beta`` (1/s) and ``soft`` (compliance, a part of the point's own 1/m) of a contact between two bodies that can
-    move; the ``stiff`` ones where one of them cannot.
+    move; the ``stiff`` ones where one of them cannot. ``laws``: kinds, table and grain, or None where no pair has
+    more than constant coefficients.
     """
     o = i * s.FIELDS
     rows = i + 2 * count
@@ -214,6 +216,8 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     # the patch, from the loads of the last substep; an even load where there is none yet
     lam = Four(gl[4] * here.a * h_scale, gl[5] * here.b * h_scale, gl[6] * here.c * h_scale, gl[7] * here.d * h_scale)
     put4(blocks, o + s.B_LOAD, lam)
+    store(blocks, o + s.B_MU_S, ga[6])
+    store(blocks, o + s.B_MU_D, ga[7])
     total = lam.a + lam.b + lam.c + lam.d
     loaded = total > 0.0
     w = Four(
@@ -228,6 +232,9 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     Cv = (w.a * (y.a - py) * (y.a - py) + w.b * (y.b - py) * (y.b - py) + w.c * (y.c - py) * (y.c - py)
           + w.d * (y.d - py) * (y.d - py)) * share  # fmt: skip
     Mu, Mv = pressure_moment(Cu, gm[2], gm[0]), pressure_moment(Cv, gm[3], gm[1])
+    if laws is not None:
+        prepare_laws(i, blocks, index, count, manifolds, aux, laws, h)
+        Mu, Mv = stretch(blocks, o, Mu, Mv)
     swapped = Mv > Mu
     q, kappa = arm_of_pressure(select(swapped, Mv, Mu), select(swapped, Mu, Mv))
     Tm = gm[4] * kappa * sqrt(Mu + Mv)
@@ -244,8 +251,6 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     store(blocks, o + s.B_SURFACE + 1, surface.av)
     store(blocks, o + s.B_SURFACE + 2, surface.bu)
     store(blocks, o + s.B_SURFACE + 3, surface.bv)
-    store(blocks, o + s.B_MU_S, ga[6])
-    store(blocks, o + s.B_MU_D, ga[7])
 
     # D K_P D: slip at P is v_u - y w_n, v_v + x w_n; a force there is also a torque x F_v - y F_u at the anchor
     nu, nv, nn = Kwv.xy, Kwv.xz, Kww.xx
@@ -253,6 +258,17 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     kuu = Kvv.yy - 2.0 * py * nu + py * py * nn
     kuv = Kvv.yz + px * nu - py * nv - px * py * nn
     kvv = Kvv.zz + 2.0 * px * nv + px * px * nn
+    # what normals and friction do to each other: closing and tilting of a friction impulse
+    hu = Vec3(Kvv.xy - py * Kwv.xx, Kwv.yy - py * Kww.xy, Kwv.zy - py * Kww.xz)
+    hv = Vec3(Kvv.xz + px * Kwv.xx, Kwv.yz + px * Kww.xy, Kwv.zz + px * Kww.xz)
+    if laws is not None:
+        # scaled forces: E^T K E, and H E
+        xx, xy = load(blocks, o + s.B_SCALED), load(blocks, o + s.B_SCALED + 1)
+        yx, yy = load(blocks, o + s.B_SCALED + 2), load(blocks, o + s.B_SCALED + 3)
+        au, av, bu, bv = kuu * xx + kuv * yx, kuv * xx + kvv * yx, kuu * xy + kuv * yy, kuv * xy + kvv * yy
+        kuu, kuv, kvv = xx * au + yx * av, xx * bu + yx * bv, xy * bu + yy * bv
+        kuz, kvz = xx * kuz + yx * kvz, xy * kuz + yy * kvz
+        hu, hv = hu * xx + hv * yx, hu * xy + hv * yy
     nobody = select(Kvv.xx > 0.0, zero, one)
     friction = Sym3(
         kuu + nobody, kuv, kuz * Tm, kvv + nobody, kvz * Tm, nn * Tm * Tm + select(Tm > 0.0, nobody, one)
@@ -260,13 +276,8 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     put6(blocks, o + s.B_FRICTION, friction)
     inverse = inverse_sym(friction)
     put6(blocks, o + s.B_FRICTION_INVERSE, inverse)
-    # what the normals meet when friction answers by sticking: K_n - H F^-1 H^T, with H the closing and the tilting
-    # that a friction impulse brings along
-    H = Mat33(
-        Kvv.xy - py * Kwv.xx, Kvv.xz + px * Kwv.xx, Kwv.xx * Tm,
-        Kwv.yy - py * Kww.xy, Kwv.yz + px * Kww.xy, Kww.xy * Tm,
-        Kwv.zy - py * Kww.xz, Kwv.zz + px * Kww.xz, Kww.xz * Tm,
-    )  # fmt: skip
+    # what the normals meet when friction answers by sticking: K_n - H F^-1 H^T
+    H = Mat33(hu.x, hv.x, Kwv.xx * Tm, hu.y, hv.y, Kww.xy * Tm, hu.z, hv.z, Kww.xz * Tm)
     X = H @ full(inverse) @ transpose(H)
     stuck_part = (
         Kvv.xx - X.xx, Kwv.yx - X.xy, Kwv.zx - X.xz, Kww.yy - X.yy, Kww.yz - X.yz, Kww.zz - X.zz
@@ -279,7 +290,8 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     pull = Vec3(gf[0], gf[1], gf[2]) * h_scale
     fu, fv = dot(pull, u), dot(pull, v)
     spin = gf[3] * h_scale - (px * fv - py * fu)
-    put3(blocks, o + s.B_PULL, Vec3(fu, fv, select(Tm > 0.0, spin / greatest(Tm, TINY), zero)))
+    pull = Vec3(fu, fv, select(Tm > 0.0, spin / greatest(Tm, TINY), zero))
+    put3(blocks, o + s.B_PULL, scaled_force(blocks, o, pull, laws))
     store(blocks, o + s.B_STATE, gb[6])
     store(blocks, o + s.B_OVER, gb[7])
     store(blocks, o + s.B_LEFT, gy[7])

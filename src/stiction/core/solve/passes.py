@@ -14,24 +14,25 @@ from stiction.core.team import meet, share
 
 @jit
 def run_passes(
-    soft, movers, glide, normals, sizes, count, moving, h, substeps, fresh, profile, rolls, team, worker
+    soft, movers, glide, normals, sizes, count, moving, h, substeps, fresh, profile, rolls, laws, team, worker
 ):  # fmt: skip
     """Prepare, warm start, cold passes for what is new, and all substeps.
 
     ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, and ``moving`` bodies;
-    ``fresh``: whether any manifold is new. Every worker does a share of each colour, and they meet before the next one.
+    ``fresh``: whether any manifold is new; ``laws``: see :func:`prepare_block`. Every worker does a share of each
+    colour, and they meet before the next one.
     """
     blocks, index, manifolds, rows, aux = soft.blocks, soft.members, soft.manifolds, soft.rows, soft.aux
     beta, compliance, beta_stiff, compliance_stiff = softness(h)
     rounds = count_rounds(sizes, team)
     first, last = share(team, worker, 0, count)
     for i in range(first, last):
-        prepare_block(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff)
+        prepare_block(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff, laws)
     meet(team)
     for r in range(rounds):
         first, last = blocks_of(sizes, r, count, team, worker)
         for i in range(first, last):
-            warm_block(i, blocks, index, count, rows)
+            warm_block(i, blocks, index, count, rows, laws)
         meet(team)
     if fresh:
         for _ in range(COLD_PASSES):
@@ -39,7 +40,7 @@ def run_passes(
                 first, last = blocks_of(sizes, r, count, team, worker)
                 for i in range(first, last):
                     if has_fresh(blocks, i):
-                        solve_block(i, blocks, index, count, rows, h, True, rolls)
+                        solve_block(i, blocks, index, count, rows, h, True, rolls, laws)
                 meet(team)
         first, last = share(team, worker, 0, count)
         for i in range(first, last):
@@ -53,7 +54,7 @@ def run_passes(
         for r in range(rounds):
             first, last = blocks_of(sizes, r, count, team, worker)
             for i in range(first, last):
-                solve_block(i, blocks, index, count, rows, h, False, rolls)
+                solve_block(i, blocks, index, count, rows, h, False, rolls, laws)
             meet(team)
         if worker == 0:
             lap(profile, 5)

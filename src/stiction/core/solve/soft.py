@@ -15,7 +15,8 @@ substep, applied again, change velocities by as much as they did then: with v th
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.friction.patch import Surface, choose3, level, slide, times
+from stiction.core.friction.laws import any_yields, follow_slip, force_in_plane, real_force, scaled_slip, yielding
+from stiction.core.friction.patch import Surface, Sym3, choose3, inverse_sym, level, slide, times
 from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, load, scatter, select, size_of, store
@@ -53,6 +54,8 @@ LEAST_LIFT = 1e-9
 """m"""
 TOUCHES = 1e-6
 """m, a new contact that is no deeper begins as a rigid one."""
+LEAST_LOAD = 1e-6
+"""m/s: what a load counts as at least where something is divided by it, in the units of a block."""
 NEAR = 1e-4
 """m, a point closer than this carries the load that friction counts on."""
 
@@ -131,7 +134,7 @@ def twist_of(blocks, o, C, va, wa, vb, wb):
 
 
 @jit
-def warm_block(i, blocks, index, count, rows):
+def warm_block(i, blocks, index, count, rows, laws):
     """Apply the impulses that the manifolds of block i bring along from the step before."""
     o = i * s.FIELDS
     B = frame_of(blocks, o)
@@ -144,7 +147,11 @@ def warm_block(i, blocks, index, count, rows):
     px, py = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1)
     v, w = twist_of(blocks, o, transpose(B), va, wa, vb, wb)
     slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * load(blocks, o + s.B_TORQUE))
-    put3(blocks, o + s.B_SLIP, slip + get3(blocks, o + s.B_BELT))
+    put3(blocks, o + s.B_SLIP, scaled_slip(blocks, o, slip + get3(blocks, o + s.B_BELT), laws))
+    if laws is not None:
+        follow_slip(i, blocks, index, count, rows, laws)
+        pull = real_force(blocks, o, pull, laws)
+        lam = less4(lam, get4(blocks, o + s.B_ATTRACT))
     force = Vec3(lam.a + lam.b + lam.c + lam.d, pull.x, pull.y)
     torque = Vec3(
         pull.z * load(blocks, o + s.B_TORQUE) + px * pull.y - py * pull.x,
@@ -155,11 +162,17 @@ def warm_block(i, blocks, index, count, rows):
 
 
 @jit
-def solve_block(i, blocks, index, count, rows, h, cold, rolls):
+def less4(a, b):
+    """a - b"""
+    return Four(a.a - b.a, a.b - b.b, a.c - b.c, a.d - b.d)
+
+
+@jit
+def solve_block(i, blocks, index, count, rows, h, cold, rolls, laws):
     """One pass over block i: normals, then friction, twice over.
 
     In a ``cold`` pass only manifolds that are new take part, and it counts for nothing but the impulses. ``rolls`` is
-    None in worlds without rolling resistance.
+    None in worlds without rolling resistance; ``laws`` as in :func:`prepare_block`.
     """
     o = i * s.FIELDS
     B = frame_of(blocks, o)
@@ -219,15 +232,25 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
 
     # Where friction can stick, the normals are told so: what they do to the slip will be answered by friction, and what
     # that does to them is in the inverse already. So one sweep solves both; elsewhere they alternate.
-    slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt
+    slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
+    limit = mu_s * (lam.a + lam.b + lam.c + lam.d)
+    if laws is not None:
+        # a tyre gives way: slip = alpha pull / N is what a solved one has left
+        alpha = load(blocks, o + s.B_ALPHA)
+        yields = yielding(alpha)
+        if any_yields(alpha):
+            alpha = alpha / greatest(lam.a + lam.b + lam.c + lam.d, LEAST_LOAD)
+            Fi = inverse_sym(Sym3(F.xx + alpha, F.xy, F.xz, F.yy + alpha, F.yz, F.zz + alpha))
+            slip = slip - pull * alpha
     answer = times(Fi, slip)
     stick = pull + answer
-    limit = mu_s * (lam.a + lam.b + lam.c + lam.d)
     together = (dot(stick, stick) <= BEYOND_DOUBT * limit * limit) & ~sliding
+    if laws is not None:
+        together = together & ~yields
     inverse = get10(blocks, o + s.B_INVERSE_STUCK)
     if not all_of(together):
         inverse = choose10(together, inverse, get10(blocks, o + s.B_INVERSE))
-    expected = answer * select(together, zero + 1.0, zero)
+    expected = real_force(blocks, o, answer, laws) * select(together, zero + 1.0, zero)
     for sweep in range(SWEEPS):
         if sweep > 0:
             going = going & ~together
@@ -269,9 +292,10 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
         lam = new
 
         # friction
-        slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt
-        answer = times(Fi, slip)
+        slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
+        answer = times(Fi, slip) if laws is None else times(Fi, slip - pull * alpha)
         stick = pull + answer
+        answer = real_force(blocks, o, answer, laws)
         # its load is that of a rigid contact, which would have stopped the closing that the soft one lets grow
         turning = Tm * answer.z + px * answer.y - py * answer.x
         stuck_left = v.x - (Kvv.xy * answer.x + Kvv.xz * answer.y + k1.x * turning)
@@ -293,7 +317,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
             stick = choose3(inside, stick, g * limit)
         if cold or sweep > 0:
             stick = choose3(going, stick, pull)
-        df = stick - pull
+        df = real_force(blocks, o, stick - pull, laws)
         Tn = Tm * df.z + px * df.y - py * df.x
         v = Vec3(
             v.x - (Kvv.xy * df.x + Kvv.xz * df.y + k1.x * Tn), v.y - (Kvv.yy * df.x + Kvv.yz * df.y + k1.y * Tn),
@@ -330,10 +354,15 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls):
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
         decide_state(blocks, o, sliding, inside, excess)
-        keep_sums(blocks, o, lam, pull, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, sliding)
+        slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
+        if laws is None:
+            keep_sums(blocks, o, lam, pull, slip, sliding)
+        else:
+            keep_sums(blocks, o, less4(lam, get4(blocks, o + s.B_ATTRACT)), pull, slip, sliding | yields)
+            follow_slip(i, blocks, index, count, rows, laws)
 
     da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
-    df = pull - pull0
+    df = real_force(blocks, o, pull - pull0, laws)
     force = Vec3(da + db + dc + dd, df.x, df.y)
     torque = Vec3(
         Tm * df.z + px * df.y - py * df.x,
@@ -396,10 +425,11 @@ def decide_state(blocks, o, sliding, inside, excess):
 
 
 @jit
-def keep_sums(blocks, o, lam, pull, slip, sliding):
-    """Impulses of the step so far, and what friction took where it slides: its impulse times the mean slip."""
+def keep_sums(blocks, o, net, pull, slip, sliding):
+    """Impulses of the step so far, ``net`` along the normals, and what friction took where it slides: its impulse times
+    the mean slip."""
     total = get4(blocks, o + s.B_TOTAL_LOAD)
-    put4(blocks, o + s.B_TOTAL_LOAD, Four(total.a + lam.a, total.b + lam.b, total.c + lam.c, total.d + lam.d))
+    put4(blocks, o + s.B_TOTAL_LOAD, Four(total.a + net.a, total.b + net.b, total.c + net.c, total.d + net.d))
     put3(blocks, o + s.B_TOTAL_PULL, get3(blocks, o + s.B_TOTAL_PULL) + pull)
     before = get3(blocks, o + s.B_SLIP)
     work = load(blocks, o + s.B_WORK)
@@ -414,7 +444,7 @@ def has_fresh(blocks, i):
 
 
 @jit
-def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledger):
+def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledger, laws):
     """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
     A lane that was padded names the manifold of nobody.
@@ -426,7 +456,7 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
             if row > 0:
                 slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
                 scale = blocks[o + s.B_SCALE, lane] * 1.0
-                store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part)
+                store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws)
                 friction, rolling = blocks[o + s.B_WORK, lane] * scale, blocks[o + s.B_ROLLED, lane] * scale
                 ledger[FRICTION] += friction
                 ledger[ROLLING_LOSS] += rolling
@@ -441,7 +471,7 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
 
 
 @jit
-def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part):
+def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws):
     """The same for one manifold; impulses of the block times ``scale`` are impulses, times ``rate`` forces."""
     u = Vec3(blocks[o + s.B_TANGENT, lane], blocks[o + s.B_TANGENT + 1, lane], blocks[o + s.B_TANGENT + 2, lane])
     n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
@@ -463,10 +493,12 @@ def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part):
             if lift > depth + LEAST_LIFT:
                 reports[row, s.LIFT + k] -= (lift - depth) * part
                 manifolds[row, s.GAP + k] += (lift - depth) * part
-    fu, fv = blocks[o + s.B_PULL, lane] * rate, blocks[o + s.B_PULL + 1, lane] * rate
+    fu, fv = force_in_plane(blocks, o, lane, s.B_PULL, laws)
+    fu, fv = fu * rate, fv * rate
     put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
     manifolds[row, s.SPIN] = blocks[o + s.B_PULL + 2, lane] * (arm * rate) + px * fv - py * fu
-    fu, fv = blocks[o + s.B_TOTAL_PULL, lane] * scale, blocks[o + s.B_TOTAL_PULL + 1, lane] * scale
+    fu, fv = force_in_plane(blocks, o, lane, s.B_TOTAL_PULL, laws)
+    fu, fv = fu * scale, fv * scale
     put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
     reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * (arm * scale) + px * fv - py * fu
     manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
