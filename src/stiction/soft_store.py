@@ -15,6 +15,7 @@ from stiction.core.clock import STAGES
 from stiction.core.colouring import COLOURS
 from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, grow_pair_cache, make_pair_cache
 from stiction.core.soft_report import report_contacts
+from stiction.core.solve import exact
 from stiction.core.tree import NONE, RIGHT, grow_tree, make_tree
 from stiction.crew import Arrays, Crew
 from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilation, close_gaps
@@ -31,9 +32,10 @@ rod whose radius is 1/130 of its half length."""
 class SoftStore(Store):
     """Rows of bodies, the tree, the pairs and the manifolds."""
 
-    def __init__(self, precision: str, threads: int = 1) -> None:
+    def __init__(self, precision: str, threads: int = 1, rigid: bool = False) -> None:
         super().__init__()
         self.crew = Crew(threads)
+        self._exact = 1 if rigid else None
         room, pairs = len(self.bodies), 64
         self.dtype = PRECISIONS[precision]
         self.tree = make_tree(room)
@@ -77,10 +79,11 @@ class SoftStore(Store):
         began = time.perf_counter()
         if table is not self._table:
             self._table = table
-            self._bounces = bool(table[:, :, state.RESTITUTION].any())
+            # the exact solver is for small worlds: fewer variants of the step are worth more to it than their speed
+            self._bounces = bool(self._exact or table[:, :, state.RESTITUTION].any())
             self._laws = 1 if table.shape[2] > state.STATIC_ACROSS else None
             # whoever has laws compiles rolling resistance too: one variant of the step less
-            self._rolls = 1 if self._laws or table[:, :, state.ROLLING].any() else None
+            self._rolls = 1 if self._exact or self._laws or table[:, :, state.ROLLING].any() else None
         announce_compilation()
         while left:
             reason, done, number = self._take(min(left, max(1, CHUNK // self.n)), settings, table)
@@ -95,7 +98,34 @@ class SoftStore(Store):
             elif reason == soft_step.BLOWN_UP:
                 return StepFailure(number, self.steps)
         self.seconds += time.perf_counter() - began
+        if self._exact:
+            self._note_tally()
         return None
+
+    def _note_tally(self) -> None:
+        """Enter into the report what the exact solver has tallied."""
+        tally, row = self.scratch.tally, self.report[state.RESTING]
+        row[state.VISITS], row[state.LIMITS], row[state.WORST] = (
+            tally[k] for k in (exact.PASSES, exact.HITS, exact.WORST)
+        )
+
+    def miss_log(self) -> Array:
+        """Misses of the last substep that the exact solver took, m/s, every fifth pass."""
+        tally = self.scratch.tally
+        return np.array(tally[exact.LOG : exact.LOG + int(tally[exact.LOGGED])])
+
+    def miss(self, settings: state.Settings) -> float:
+        """By how much the velocities and impulses of the last step miss the laws of contact, m/s."""
+        blocks = int(self.scratch.counts[soft_step.BLOCKS])
+        if blocks == 0 or self.n == 0:
+            return 0.0
+        laws = (self.kinds, self._table, self.soft.grain) if self._laws else None
+        substeps = settings.substeps * (2 if self.scratch.counts[soft_step.HARD] and not self._exact else 1)
+        return float(
+            exact.measure_miss(
+                self.soft.blocks, self.soft.members, blocks, self.soft.rows, settings.dt / substeps, laws
+            )
+        )
 
     def _take(self, steps: int, settings: state.Settings, table: Array) -> Any:
         """Call the kernel: its reason to return, how many steps it took, and a number that goes with the reason."""
@@ -105,11 +135,12 @@ class SoftStore(Store):
         if jit.config.DISABLE_JIT:
             return soft_step.take_steps(
                 steps, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
-                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces or None, self._rolls, self._laws, None,
+                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces or None, self._rolls, self._laws,
+                self._exact, None,
             )  # fmt: skip
         given = (
             steps, self.n, self._book(table, settings, bounces), self._one, boxes_meet, 1 if hulls else None,
-            1 if bounces else None, self._rolls, self._laws,
+            1 if bounces else None, self._rolls, self._laws, self._exact,
         )  # fmt: skip
         if self.crew.threads == 1:
             return soft_entry.soft_step(*given, None)

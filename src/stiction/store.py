@@ -119,6 +119,14 @@ class Store:
         refresh_tree(tree, cache, self.bodies, self.kinds, self.n, 0, np.zeros(self.n, np.int64), gravity, dt)
         return tree, cache
 
+    def miss(self, settings: state.Settings) -> float:
+        """By how much the velocities and impulses of the last step miss the laws of contact, m/s."""
+        raise NotImplementedError
+
+    def miss_log(self) -> Array:
+        """Misses of the last substep."""
+        raise NotImplementedError
+
     def profile(self) -> dict[str, float]:
         """Seconds of each stage since :meth:`reset_profile`; none are counted here."""
         return {}

@@ -27,9 +27,12 @@ from stiction.shapes import Shape
 Array = NDArray[np.float64]
 
 SOLVERS = ("micro", "soft", "exact")
-AVAILABLE_SOLVERS = ("soft", "micro")
-SUBSTEPS = 8
-"""Of the soft solver."""
+AVAILABLE_SOLVERS = ("soft", "micro", "exact")
+SUBSTEPS = {"micro": 1, "soft": 8, "exact": 1}
+"""Parts of a step."""
+ITERATIONS = {"micro": 100, "soft": 100, "exact": 1000}
+TOLERANCE = 1e-8
+"""m/s, of the exact solver."""
 MOST_STEPS = 10**12
 """Steps of one run at most; more would take years."""
 MOST_THREADS = 256
@@ -43,18 +46,19 @@ class World(Queries):
         gravity: (3,), m/s^2.
         dt: time step, s.
         solver: ``"soft"``, the default: fast, with memory of contacts from step to step; ``"micro"``, the lecture's;
-            ``"exact"`` is not there yet.
-        substeps: parts of a step: 8 in ``soft``; ``micro`` has one.
+            ``"exact"``, rigid contacts and both coefficients solved to a tolerance, for reference and small worlds.
+        substeps: parts of a step: 8 in ``soft``, 1 in the others, of which ``micro`` has no more.
         iterations: how often ``micro`` may resolve a contact in a stage of a step, on average, before the limit is
-            reported.
+            reported, 100 if left out; how many passes over all contacts ``exact`` may make in a substep, 1000.
         precision: of contacts in ``soft``: ``"single"``, the default (positions are in double precision always), or
-            ``"double"``; ``micro`` has ``"double"``.
+            ``"double"``; the others have ``"double"``.
         materials: the table of pairs; :meth:`MaterialTable.default` if left out. The table is used, not copied.
         micro_literal: use the slides' friction word for word instead of Coulomb's law, to see the difference.
         restitution_threshold: closing speeds below it are resting contact and do not bounce, m/s.
         sleeping: whether ``soft`` leaves islands of bodies alone while they are truly at rest.
         threads: how many threads ``soft`` works with; every number of them gives the same bits. More than one pays for
             worlds of several hundred contacts and more, where as many processors have nothing else to do.
+        tolerance: by how much a contact may miss its laws in ``exact``, m/s; 1e-8 if left out.
 
     Raises:
         InvalidInputError: a value is not allowed.
@@ -67,7 +71,7 @@ class World(Queries):
         dt: float = 1.0 / 60.0,
         solver: str | None = None,
         substeps: int | None = None,
-        iterations: int = 100,
+        iterations: int | None = None,
         precision: str | None = None,
         materials: MaterialTable | None = None,
         *,
@@ -75,27 +79,26 @@ class World(Queries):
         restitution_threshold: float = 0.25,
         sleeping: bool = True,
         threads: int = 1,
+        tolerance: float | None = None,
     ) -> None:
         self._gravity = checks.vector("gravity", gravity)
         self._dt = checks.positive("dt", dt, "s")
         self._solver = AVAILABLE_SOLVERS[0] if solver is None else checks.one_of("solver", solver, SOLVERS)
         if self._solver not in AVAILABLE_SOLVERS:
             raise NotYetError(f"solver {solver!r} is not there yet; this version has {', '.join(AVAILABLE_SOLVERS)}.")
-        soft = self._solver == "soft"
-        self._substeps = (
-            (SUBSTEPS if soft else 1) if substeps is None else checks.integer("substeps", substeps, minimum=1)
-        )
-        if not soft and self._substeps != 1:
+        soft, micro = self._solver == "soft", self._solver == "micro"
+        self._substeps = SUBSTEPS[self._solver] if substeps is None else checks.integer("substeps", substeps, minimum=1)
+        if micro and self._substeps != 1:
             raise NotYetError(f"substeps must be 1 with solver 'micro', got {substeps!r}; use a smaller dt.")
         default = "single" if soft else "double"
         precision = default if precision is None else checks.one_of("precision", precision, ("double", "single"))
         if not soft and precision != "double":
-            raise NotYetError("precision 'single' is not there yet with solver 'micro'; it has 'double'.")
+            raise NotYetError(f"precision 'single' is not there yet with solver {self._solver!r}; it has 'double'.")
         if materials is not None and not isinstance(materials, MaterialTable):
             raise InvalidInputError(f"materials must be a MaterialTable, got {type(materials).__name__}.")
         if not isinstance(micro_literal, bool):
             raise InvalidInputError(f"micro_literal must be True or False, got {micro_literal!r}.")
-        if micro_literal and soft:
+        if micro_literal and not micro:
             raise InvalidInputError("micro_literal must be left out unless solver is 'micro'.")
         if not isinstance(sleeping, bool):
             raise InvalidInputError(f"sleeping must be True or False, got {sleeping!r}.")
@@ -105,7 +108,12 @@ class World(Queries):
             raise InvalidInputError(f"threads must be {MOST_THREADS} or less, got {threads!r}.")
         if not soft and threads != 1:
             raise NotYetError(f"threads must be 1 with solver {self._solver!r}, got {threads!r}.")
-        self._iterations = checks.integer("iterations", iterations, minimum=1)
+        if tolerance is not None and self._solver != "exact":
+            raise InvalidInputError("tolerance must be left out unless solver is 'exact'.")
+        self._tolerance = TOLERANCE if tolerance is None else checks.positive("tolerance", tolerance, "m/s")
+        self._iterations = (
+            ITERATIONS[self._solver] if iterations is None else checks.integer("iterations", iterations, minimum=1)
+        )
         self._threshold = checks.non_negative("restitution_threshold", restitution_threshold, "m/s")
         self._micro_literal = micro_literal
         self._materials = MaterialTable.default() if materials is None else materials
@@ -115,10 +123,10 @@ class World(Queries):
 
         self._state = state
         self._store = Store()
-        if soft:
+        if not micro:
             from stiction.soft_store import SoftStore
 
-            self._store = SoftStore(precision, threads)
+            self._store = SoftStore(precision, threads, self._solver == "exact")
         self._bodies: list[Body] = []
         self._by_name: dict[str, Body] = {}
         self._added = 0
@@ -207,7 +215,7 @@ class World(Queries):
         bits = checks.layers("layer", layer), checks.layers("mask", mask)
         if not isinstance(sensor, bool):
             raise InvalidInputError(f"sensor must be True or False, got {sensor!r}.")
-        if sensor and self._solver != "soft":
+        if sensor and self._solver == "micro":
             raise NotYetError(f"sensors are not there yet with solver {self._solver!r}; solver 'soft' has them.")
         if not isinstance(material, str) or material not in self.materials:
             self.materials.pair(material, material)  # raises, and names the nearest one
@@ -456,6 +464,32 @@ class World(Queries):
         worst = tuple(float(x) for x in report[:, self._state.WORST])
         return SolverReport(visits, hits, worst)  # type: ignore[arg-type]  # three rows by construction
 
+    def residual(self) -> float:
+        """By how much the last step misses the laws of contact, m/s: 0 for one that is solved.
+
+        It is the largest speed, over all contacts, by which velocities differ from what Signorini's condition and
+        Coulomb's law ask for given the impulses of the last substep: a point that closes, or that parts under load, or
+        slip that friction would still take away. ``exact`` brings it below its tolerance; in ``soft`` contacts are
+        springs on purpose, and it says how far that is from a rigid one.
+
+        Raises:
+            NotYetError: in a world of ``micro``, whose :meth:`report` has the largest error.
+        """
+        if self._solver == "micro":
+            raise NotYetError("residual is not there yet with solver 'micro'; report() has its largest error.")
+        return self._store.miss(self._settings)
+
+    def residual_log(self) -> Array:
+        """The residuals on the way to a solution in the last substep of ``exact``, m/s: after the first pass, and then
+        after every fifth.
+
+        Raises:
+            NotYetError: with another solver.
+        """
+        if self._solver != "exact":
+            raise NotYetError(f"residual_log is not there with solver {self._solver!r}; solver 'exact' has it.")
+        return self._store.miss_log()
+
     def profile(self, steps: int) -> dict[str, float]:
         """Take steps, and tell how long each stage of them took, in ms a step.
 
@@ -466,7 +500,7 @@ class World(Queries):
             NotYetError: in a world of ``micro``.
         """
         count = checks.integer("steps", steps, minimum=1)
-        if self._solver != "soft":
+        if self._solver == "micro":
             raise NotYetError(f"profile is not there yet with solver {self._solver!r}; solver 'soft' has it.")
         if count > 1:
             self.step()
@@ -487,7 +521,16 @@ class World(Queries):
     def _make_settings(self) -> Any:
         x, y, z = (float(g) for g in self._gravity)
         return self._state.Settings(
-            x, y, z, self._dt, self._iterations, self._threshold, self.micro_literal, self._substeps, self._sleeping
+            x,
+            y,
+            z,
+            self._dt,
+            self._iterations,
+            self._threshold,
+            self.micro_literal,
+            self._substeps,
+            self._sleeping,
+            self._tolerance,
         )
 
     def _pair_table(self) -> Array:
@@ -519,8 +562,9 @@ class World(Queries):
             )
             if count
         )
+        unit = "passes a substep" if self._solver == "exact" else "iterations a contact"
         warnings.warn(
-            f"step {self.steps}: the limit of {self._iterations} iterations a contact was hit in {hit}; "
+            f"step {self.steps}: the limit of {self._iterations} {unit} was hit in {hit}; "
             f"world.report() counts how often.",
             IterationLimitWarning,
             stacklevel=3,

@@ -37,17 +37,17 @@ def book_of(
 
 
 @entry
-def soft_step(steps, n, book, one, boxes_meet, hulls, bounces, rolls, laws, team):
+def soft_step(steps, n, book, one, boxes_meet, hulls, bounces, rolls, laws, exact, team):
     """:func:`stiction.core.soft_step.take_steps` of n bodies; ``one`` is 1 in the precision of the solver.
 
-    ``boxes_meet``, ``hulls``, ``bounces``, ``rolls`` and ``laws`` are None or 1: what no body of the world needs is not
-    compiled.
+    ``boxes_meet``, ``hulls``, ``bounces``, ``rolls``, ``laws`` and ``exact`` are None or 1: what no body of the world
+    needs is not compiled.
     """
     return take_steps(
         steps, matrix_at(book, BODIES, 0.0), matrix_at(book, KINDS, 0), n, tree_at(book, TREE), cache_at(book, CACHE),
         soft_at(book, SOFT, one), scratch_at(book, SCRATCH), cube_at(book, TABLE, 0.0), settings_at(book, SETTINGS),
         vector_at(book, LEDGER, 0.0), vector_at(book, CYCLES, 0), boxes_meet, hulls_at(book, HULLS, hulls),
-        bounces_at(book, BOUNCES, bounces), rolls, laws, team,
+        bounces_at(book, BOUNCES, bounces), rolls, laws, exact, team,
     )  # fmt: skip
 
 
@@ -55,7 +55,7 @@ def soft_step(steps, n, book, one, boxes_meet, hulls, bounces, rolls, laws, team
 def settings_at(book, k):
     """The constants of a call."""
     x = vector_at(book, k, 0.0)
-    return Settings(x[0], x[1], x[2], x[3], int(x[4]), x[5], x[6] != 0.0, int(x[7]), x[8] != 0.0)
+    return Settings(x[0], x[1], x[2], x[3], int(x[4]), x[5], x[6] != 0.0, int(x[7]), x[8] != 0.0, x[9])
 
 
 @jit
@@ -91,6 +91,7 @@ def scratch_at(book, k):
     return Scratch(
         matrix_at(book, k, 0), matrix_at(book, k + 1, 0), matrix_at(book, k + 2, 0.0), vector_at(book, k + 3, 0),
         matrix_at(book, k + 4, 0.0), matrix_at(book, k + 5, 0), matrix_at(book, k + 6, 0.0),
+        vector_at(book, k + 7, 0.0),
     )  # fmt: skip
 
 

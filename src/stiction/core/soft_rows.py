@@ -93,12 +93,13 @@ computed last, m."""
     B_SCALE,  # the block's mass, kg: impulses are in units of it times m/s, so numbers are of order one at any scale
     B_LIFT,  # 4, how much of the separations is not there, m
     B_ROLLING, B_ROLL, B_ROLLED,  # length of rolling resistance, m; its torque impulse about u and v, 2; its work, J
+    B_MISS,  # by how much the manifold misses its laws, m/s (solve.exact)
     B_SCALED, B_ALPHA, B_ATTRACT,  # 4 + 1 + 4, of friction laws (friction.laws): force by scaled force; slip over mu;
     # impulse a substep with which the points hold on
     FIELDS,
 ) = _starts(
     3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1,
-    1, 4, 1, 2, 1, 4, 1, 4,
+    1, 4, 1, 2, 1, 1, 4, 1, 4,
 )  # fmt: skip
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------

@@ -29,8 +29,10 @@ from stiction.core.soft_bodies import (
     row_is_finite,
 )
 from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
+from stiction.core.solve.exact import TALLY, exact_of
 from stiction.core.solve.passes import run_passes
-from stiction.core.solve.soft import NEAR, SETTLING, UNEVEN, store_blocks
+from stiction.core.solve.results import store_blocks
+from stiction.core.solve.soft import NEAR, SETTLING, UNEVEN
 from stiction.core.state import (
     ASLEEP,
     CONTACT_WIDTH,
@@ -69,10 +71,11 @@ UNDECIDED = -1
 SLOW = 0.375
 """A new contact that slips by less than this part of what gravity gives in a step begins stuck."""
 
-N_AWAKE, N_ACTIVE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, COUNTS = range(9)
+N_AWAKE, N_ACTIVE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, BLOCKS, COUNTS = range(10)
 """Entries of the counts: bodies awake, active manifolds, bodies changed from outside, bodies seen before; whether the
 list of those awake is out of date; steps so far; whether bodies that sleep may have been changed without a word;
-whether a light body carries a heavy one."""
+whether a light body carries a heavy one; blocks of the last
+step."""
 
 
 PAIR_CONTACTS = 8
@@ -89,6 +92,7 @@ class Scratch(NamedTuple):
     contacts: np.ndarray  # scratch of one pair
     tags: np.ndarray
     points: np.ndarray
+    tally: np.ndarray  # (TALLY,) of the exact solver
 
 
 def make_scratch(n: int, p: int, colours: int) -> Scratch:
@@ -101,6 +105,7 @@ def make_scratch(n: int, p: int, colours: int) -> Scratch:
         contacts=np.zeros((PAIR_CONTACTS, CONTACT_WIDTH)),
         tags=np.zeros((PAIR_CONTACTS, TAGS_WIDTH), np.int64),
         points=np.zeros((SCRATCH, 5)),
+        tally=np.zeros(TALLY),
     )
     scratch.counts[STALE] = 1
     return scratch
@@ -109,19 +114,20 @@ def make_scratch(n: int, p: int, colours: int) -> Scratch:
 @jit
 def take_steps(
     steps, bodies, kinds, n, tree, cache, soft, scratch, table, settings, ledger, profile, boxes_meet, hulls, bounces,
-    rolls, laws, team,
+    rolls, laws, exact, team,
 ):  # fmt: skip
     """Up to ``steps`` steps of n bodies. Returns (reason, steps done, a number that goes with the reason).
 
     When there is no room for a step's pairs, blocks or impacts it returns before that step has changed anything but the
     manifolds, which are found anew or kept when it is taken again, with the room that is needed; when a body would no
     longer be finite, with that body, and all bodies as they were before.
-    ``laws``: 1 where a pair has more than constant coefficients, else None.
+    ``laws``: 1 where a pair has more than constant coefficients, ``exact``: 1 with the exact solver; else None.
     ``team``: None, or the :class:`stiction.core.team.Team` whose other workers are in :func:`assist`.
     """
     gravity = Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
     g, dt = length(gravity), settings.dt
     lists, laws = scratch.bodies, laws_of(laws, kinds, table, soft)
+    exact = exact_of(exact, settings, scratch)
     broken = first_not_finite(bodies, n)
     if broken >= 0:
         for i in range(n):
@@ -133,7 +139,7 @@ def take_steps(
     take_edits(bodies, kinds, n, cache, soft.pose, soft.rows, soft.aux, lists, scratch.counts, gravity, g, dt, h)
     for done in range(steps):
         start_clock(profile)
-        substeps = 2 * settings.substeps if scratch.counts[HARD] else settings.substeps
+        substeps = 2 * settings.substeps if scratch.counts[HARD] and exact is None else settings.substeps
         h = dt / substeps
         active, woke = 0, True
         while woke:
@@ -159,6 +165,7 @@ def take_steps(
             lap(profile, 2)
         scratch.counts[N_ACTIVE] = active
         blocks = arrange_blocks(kinds, soft, scratch, active, n)
+        scratch.counts[BLOCKS] = blocks
         if blocks * s.FIELDS > soft.blocks.shape[0]:
             close_soft_ledger(bodies, n, gravity, ledger)
             keep_states(bodies, lists[AWAKE], awake)
@@ -190,7 +197,7 @@ def take_steps(
             call(team, SOLVE, blocks, moving, substeps, h, fresh)
             run_passes(
                 soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], blocks, moving, h,
-                substeps, fresh, profile, rolls, laws, team, 0,
+                substeps, fresh, profile, rolls, laws, exact, team, 0,
             )  # fmt: skip
 
         bad = first_bad_row(bodies, kinds, lists, awake, soft.rows, gravity, dt)
@@ -251,7 +258,8 @@ def assist(
         else:
             run_passes(
                 soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], words[COUNT],
-                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], numbers[1] > 0.0, words, rolls, laws, team, worker,
+                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], numbers[1] > 0.0, words, rolls, laws, None, team,
+                worker,
             )  # fmt: skip
 
 

@@ -129,11 +129,12 @@ class Settings(NamedTuple):
     gravity_y: float
     gravity_z: float
     dt: float
-    iterations: int  # visits a contact and stage, at most
+    iterations: int  # visits a contact and stage, at most; passes a substep of the exact solver
     threshold: float  # m/s, approach speeds below it are resting contact
     literal: bool
     substeps: int  # of the soft solver
     sleeping: bool  # whether the soft solver lets bodies sleep
+    tolerance: float  # m/s, of the exact solver
 
 
 SCRATCH = 144

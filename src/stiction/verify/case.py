@@ -123,7 +123,7 @@ class Case(ABC):
     tolerance: ClassVar[str]
     tolerance_reason: ClassVar[str]
     other_tolerance: ClassVar[Mapping[str, tuple[str, str]]] = {}
-    solvers: ClassVar[tuple[str, ...]] = ("soft", "micro")
+    solvers: ClassVar[tuple[str, ...]] = ("soft", "micro", "exact")
     known_limit: ClassVar[Mapping[str, str]] = {}
 
     @abstractmethod

@@ -516,7 +516,7 @@ class StickSlip(Case):
         ]
         turns = len(passes) - 2
         measured = (passes[-1] - passes[1]) / turns * dt if turns > 0 else math.nan
-        late = dt + {"micro": math.sqrt(2.0 * slip_speed() * m / (k * v)), "soft": delay(solver, dt)}[solver]
+        late = dt + (math.sqrt(2.0 * slip_speed() * m / (k * v)) if solver == "micro" else delay(solver, dt))
         yield Measurement("period", period, measured, 2.0 * late, "s")
         slack = v * late
         steady = places[int(passes[1]) :] if turns > 0 else [math.nan]

@@ -145,7 +145,7 @@ class SlideAndSpinOfAFace(Case):
         "moves, the power that friction takes is off by half of that at most (docs/design/patch.md); twice, for "
         "energy is lost at another rate, and shared in another way between sliding and spinning"
     )
-    solvers = ("soft",)
+    solvers = ("soft", "exact")
     SPEED: ClassVar = 3.0
     DYNAMIC: ClassVar = 0.3
     SPINS: ClassVar = (5.0, 10.0, 20.0)

@@ -250,7 +250,7 @@ class RollingResistance(Case):
             speeds.append(float(np.linalg.norm(ball.velocity)))
         eps = speed_error(solver, stop, dt, v) + v * arm_error(solver, dt, r)
         d = float(ball.position @ direction)
-        within_step = {"micro": a * dt * dt / 8.0, "soft": begin_error(solver, a, dt)}[solver]
+        within_step = a * dt * dt / 8.0 if solver == "micro" else begin_error(solver, a, dt)
         yield Measurement("distance", 0.5 * v * v / a, d, within_step + eps * stop, "m")
         yield Measurement("time to stop", stop, arrival(speeds, dt), eps / a, "s")
 

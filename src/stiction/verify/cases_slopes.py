@@ -263,7 +263,7 @@ class BreakAway(Case):
         d = 0.5 * G * (math.sin(slope.angle) - 0.4 * math.cos(slope.angle)) * t * t
         gone = float((crate.position - start) @ slope.down)
         excess = G * (math.sin(slope.angle) - 0.6 * math.cos(slope.angle))
-        late = {"micro": dt + slip_speed() / excess, "soft": delay(solver, dt)}[solver]
+        late = dt + slip_speed() / excess if solver == "micro" else delay(solver, dt)
         yield Measurement("distance at tan(theta) = 0.601", d, gone, 2.0 * late / t, "m", "relative")
 
 

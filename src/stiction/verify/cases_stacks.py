@@ -34,7 +34,7 @@ class SinkOfSoftContacts(Case):
         "of millimetres to 1e-9 m. What is put down without a fall has the load of its contact found before it moves, "
         "and its springs are set up so that they carry it where it is"
     )
-    solvers = ("soft",)
+    solvers = ("soft", "exact")
     FALL: ClassVar = 2e-4
     """m"""
 
@@ -81,7 +81,7 @@ class CrookedTower(Case):
     tolerance_reason = (
         "targets: after ten seconds the tower must be at rest, and leaning by no more than a cube's hundredth"
     )
-    solvers = ("soft",)
+    solvers = ("soft", "exact")
     SEEDS: ClassVar = (1, 2, 3, 4)
 
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
@@ -109,7 +109,7 @@ class Pyramid(Case):
     source = "statics"
     tolerance = "1 mm/s (speed), 10 mm (drift)"
     tolerance_reason = "targets, as for 'crooked-tower'"
-    solvers = ("soft",)
+    solvers = ("soft", "exact")
     BASE: ClassVar = 20
     SECONDS: ClassVar = 20.0
 
@@ -135,7 +135,7 @@ class HeavyOnTop(Case):
     source = "statics"
     tolerance = "1 mm/s (speed), 1 mm (drift), 20 mm (sinking)"
     tolerance_reason = "targets; the springs give way by 18.6 mm at dt = 1/60 s, as 'sink-of-soft-contacts' has it"
-    solvers = ("soft",)
+    solvers = ("soft", "exact")
 
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
         """Cubes of 1 m, 10 kg each, and one of 1000 kg, for 10 s."""

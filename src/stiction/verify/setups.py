@@ -46,8 +46,9 @@ def solver_tolerance(solver: str) -> float:
     """eps: how far the velocity of a contact may be from what its law demands when a step ends, m/s."""
     from stiction.core.solve.micro import TOLERANCE
     from stiction.core.solve.soft import ENOUGH
+    from stiction.world import TOLERANCE as EXACT
 
-    return {"micro": TOLERANCE, "soft": ENOUGH}[solver]
+    return {"micro": TOLERANCE, "soft": ENOUGH, "exact": EXACT}[solver]
 
 
 def slip_speed() -> float:
@@ -61,7 +62,7 @@ def substep(solver: str, dt: float) -> float:
     """h: the time after which a solver decides anew, s."""
     from stiction.world import SUBSTEPS
 
-    return {"micro": dt, "soft": dt / SUBSTEPS}[solver]
+    return dt / SUBSTEPS[solver]
 
 
 def rounding(solver: str, speed: float, seconds: float, dt: float) -> float:
@@ -71,7 +72,7 @@ def rounding(solver: str, speed: float, seconds: float, dt: float) -> float:
     the sum, rounded by u v at most. This is no random walk: the next substep starts from v' + (v' - v), so a rounded
     increment is repeated, and velocity and increment of a steady motion stay on the same grid for many steps.
     """
-    return {"micro": 0.0, "soft": 2.0**-24 * speed * max(seconds, dt) / substep(solver, dt)}[solver]
+    return 2.0**-24 * speed * max(seconds, dt) / substep(solver, dt) if solver == "soft" else 0.0
 
 
 def speed_error(solver: str, seconds: float, dt: float, speed: float = 0.0) -> float:
@@ -95,18 +96,18 @@ def stop_error(solver: str, static: float, dynamic: float, dt: float) -> float:
     ``soft`` the step is a substep, and what slides has to come to rest under mu_d N before mu_s counts.
     """
     h = substep(solver, dt)
-    held_early = {"micro": static * (static - dynamic) / (2.0 * dynamic), "soft": 0.0}[solver]
+    held_early = static * (static - dynamic) / (2.0 * dynamic) if solver == "micro" else 0.0
     return G * h * h * max(dynamic / 8.0, held_early)
 
 
 def delay(solver: str, dt: float) -> float:
     """How late a body that holds may let go where its force exceeds the limit by less than an eighth, s.
 
-    ``soft`` looks once a substep, and wants to see it in PATIENCE of them running.
+    ``soft`` looks once a substep, and wants to see it in PATIENCE of them running; ``exact`` once a step.
     """
     from stiction.core.solve.soft import PATIENCE
 
-    return {"micro": 0.0, "soft": (1.0 + PATIENCE) * substep(solver, dt)}[solver]
+    return {"micro": 0.0, "soft": (1.0 + PATIENCE) * substep(solver, dt), "exact": dt}[solver]
 
 
 def begin_error(solver: str, acceleration: float, dt: float) -> float:
@@ -115,7 +116,7 @@ def begin_error(solver: str, acceleration: float, dt: float) -> float:
     ``soft`` lets bodies glide with the mean of old and new velocity if they slide when a step begins. Others move with
     the new one in each substep, which is a h^2 / 2 too far in each of those of that step: a h dt / 2.
     """
-    return {"micro": 0.0, "soft": 0.5 * acceleration * substep(solver, dt) * dt}[solver]
+    return 0.0 if solver == "micro" else 0.5 * acceleration * substep(solver, dt) * dt
 
 
 def sink(solver: str, dt: float, compliance: float = 1.0) -> float:
@@ -128,7 +129,7 @@ def sink(solver: str, dt: float, compliance: float = 1.0) -> float:
     from stiction.core.solve.soft import STIFFNESS
 
     h = substep(solver, dt)
-    return 1e-6 + {"micro": 0.0, "soft": compliance * G * (h / (2.0 * STIFFNESS)) ** 2}[solver]
+    return 1e-6 + (compliance * G * (h / (2.0 * STIFFNESS)) ** 2 if solver == "soft" else 0.0)
 
 
 def lean(solver: str, dt: float, height: float, width: float) -> float:
@@ -137,7 +138,7 @@ def lean(solver: str, dt: float, height: float, width: float) -> float:
     At most, that edge carries all: the box leans by ``sink`` / width, and its centre by half the height times that.
     What leans while it slides straightens up when it has stopped.
     """
-    return {"micro": 0.0, "soft": 0.5 * height / width * sink(solver, dt, 3.5)}[solver]
+    return 0.5 * height / width * sink(solver, dt, 3.5) if solver == "soft" else 0.0
 
 
 def box_compliance(size: Sequence[float]) -> float:
@@ -151,7 +152,7 @@ def arm_error(solver: str, dt: float, radius: float) -> float:
 
     Contact is made in the middle of the penetration s, and so r is short by s / 2.
     """
-    return {"micro": 0.0, "soft": sink(solver, dt) / radius}[solver]
+    return sink(solver, dt) / radius if solver == "soft" else 0.0
 
 
 def soft_bounce(solver: str) -> float:
@@ -163,7 +164,7 @@ def soft_bounce(solver: str) -> float:
     from stiction.core.solve.soft import DAMPING, STIFFNESS
 
     gamma, beta_h = 1.0 / (STIFFNESS * (2.0 * DAMPING + STIFFNESS)), STIFFNESS / (2.0 * DAMPING + STIFFNESS)
-    return {"micro": 0.0, "soft": beta_h * gamma / (1.0 + gamma)}[solver]
+    return beta_h * gamma / (1.0 + gamma) if solver == "soft" else 0.0
 
 
 def about(axis: ArrayLike, angle: float) -> Quaternion:

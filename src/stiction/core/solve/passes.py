@@ -8,22 +8,23 @@ from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
+from stiction.core.solve.exact import iterate, rigidity
 from stiction.core.solve.soft import COLD_PASSES, has_fresh, lift_block, softness, solve_block, warm_block
 from stiction.core.team import meet, share
 
 
 @jit
 def run_passes(
-    soft, movers, glide, normals, sizes, count, moving, h, substeps, fresh, profile, rolls, laws, team, worker
+    soft, movers, glide, normals, sizes, count, moving, h, substeps, fresh, profile, rolls, laws, exact, team, worker
 ):  # fmt: skip
     """Prepare, warm start, cold passes for what is new, and all substeps.
 
     ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, and ``moving`` bodies;
-    ``fresh``: whether any manifold is new; ``laws``: see :func:`prepare_block`. Every worker does a share of each
-    colour, and they meet before the next one.
+    ``fresh``: whether any manifold is new; ``laws``: see :func:`prepare_block`; ``exact``: None, or what
+    :func:`iterate` needs. Every worker does a share of each colour, and they meet before the next one.
     """
     blocks, index, manifolds, rows, aux = soft.blocks, soft.members, soft.manifolds, soft.rows, soft.aux
-    beta, compliance, beta_stiff, compliance_stiff = softness(h)
+    beta, compliance, beta_stiff, compliance_stiff = softness(h) if exact is None else rigidity(h)
     rounds = count_rounds(sizes, team)
     first, last = share(team, worker, 0, count)
     for i in range(first, last):
@@ -34,13 +35,13 @@ def run_passes(
         for i in range(first, last):
             warm_block(i, blocks, index, count, rows, laws)
         meet(team)
-    if fresh:
+    if fresh and exact is None:
         for _ in range(COLD_PASSES):
             for r in range(rounds):
                 first, last = blocks_of(sizes, r, count, team, worker)
                 for i in range(first, last):
                     if has_fresh(blocks, i):
-                        solve_block(i, blocks, index, count, rows, h, True, rolls, laws)
+                        solve_block(i, blocks, index, count, rows, h, True, False, rolls, laws, exact)
                 meet(team)
         first, last = share(team, worker, 0, count)
         for i in range(first, last):
@@ -51,10 +52,12 @@ def run_passes(
         lap(profile, 4)
     first_body, last_body = share(team, worker, 0, moving)
     for substep in range(substeps):
+        if exact is not None:
+            iterate(blocks, index, count, rows, h, rolls, laws, exact)
         for r in range(rounds):
             first, last = blocks_of(sizes, r, count, team, worker)
             for i in range(first, last):
-                solve_block(i, blocks, index, count, rows, h, False, rolls, laws)
+                solve_block(i, blocks, index, count, rows, h, False, True, rolls, laws, exact)
             meet(team)
         if worker == 0:
             lap(profile, 5)

@@ -15,15 +15,14 @@ substep, applied again, change velocities by as much as they did then: with v th
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.friction.laws import any_yields, follow_slip, force_in_plane, real_force, scaled_slip, yielding
+from stiction.core.friction.laws import any_yields, follow_slip, real_force, scaled_slip, yielding
 from stiction.core.friction.patch import Surface, Sym3, choose3, inverse_sym, level, slide, times
 from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, load, scatter, select, size_of, store
+from stiction.core.lanes import all_of, any_of, gather, greatest, load, scatter, select, size_of, store
 from stiction.core.solve.blocks import get3, get4, get6, put3, put4
 from stiction.core.solve.normals import Four, Sym4, lowest, non_negative, times4
-from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, ROLLING_LOSS
-from stiction.core.vec import Vec3, columns, cross, dot, put_vec3, transpose
+from stiction.core.vec import Vec3, columns, cross, dot, transpose
 
 SWEEPS = 2
 """Alternations of normals and friction within a manifold, where they are not solved together."""
@@ -50,8 +49,6 @@ UNEVEN = 30.0
 carries sinks by load / (light mass omega^2), and omega h is bounded."""
 SETTLING = 1.0
 """s, in which a point that is held above the depth of its load sinks to 1/e of that."""
-LEAST_LIFT = 1e-9
-"""m"""
 TOUCHES = 1e-6
 """m, a new contact that is no deeper begins as a rigid one."""
 LEAST_LOAD = 1e-6
@@ -162,17 +159,33 @@ def warm_block(i, blocks, index, count, rows, laws):
 
 
 @jit
+def gaps_now(i, blocks, o, index, count, rows, C, x, y):
+    """Separations of the points: those of the start of the step, less what a has come closer since."""
+    a, b = gather(rows, index, i, s.ROW_D), gather(rows, index, i + count, s.ROW_D)
+    d, turned = twist_of(
+        blocks, o, C, Vec3(a[0], a[1], a[2]), Vec3(a[4], a[5], a[6]), Vec3(b[0], b[1], b[2]), Vec3(b[4], b[5], b[6])
+    )
+    gap = get4(blocks, o + s.B_GAP)
+    return Four(
+        gap.a - (d.x + y.a * turned.y - x.a * turned.z), gap.b - (d.x + y.b * turned.y - x.b * turned.z),
+        gap.c - (d.x + y.c * turned.y - x.c * turned.z), gap.d - (d.x + y.d * turned.y - x.d * turned.z),
+    )  # fmt: skip
+
+
+@jit
 def less4(a, b):
     """a - b"""
     return Four(a.a - b.a, a.b - b.b, a.c - b.c, a.d - b.d)
 
 
 @jit
-def solve_block(i, blocks, index, count, rows, h, cold, rolls, laws):
+def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exact):
     """One pass over block i: normals, then friction, twice over.
 
-    In a ``cold`` pass only manifolds that are new take part, and it counts for nothing but the impulses. ``rolls`` is
-    None in worlds without rolling resistance; ``laws`` as in :func:`prepare_block`.
+    In a ``cold`` pass only manifolds that are new take part. One that does not count, as a cold one, changes nothing
+    but the impulses; one that ``counts`` ends a substep. ``rolls`` is None in worlds without rolling resistance;
+    ``laws`` as in :func:`prepare_block`; ``exact`` is None but for the rigid contacts of
+    :mod:`stiction.core.solve.exact`, whose state is decided there.
     """
     o = i * s.FIELDS
     B = frame_of(blocks, o)
@@ -182,17 +195,8 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls, laws):
     vb, wb = Vec3(b[0], b[1], b[2]), Vec3(b[4], b[5], b[6])
     v, w = twist_of(blocks, o, C, va, wa, vb, wb)
 
-    # separations now: those of the start, less what a has come closer since
-    a, b = gather(rows, index, i, s.ROW_D), gather(rows, index, i + count, s.ROW_D)
-    d, turned = twist_of(
-        blocks, o, C, Vec3(a[0], a[1], a[2]), Vec3(a[4], a[5], a[6]), Vec3(b[0], b[1], b[2]), Vec3(b[4], b[5], b[6])
-    )
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
-    gap = get4(blocks, o + s.B_GAP)
-    gap = Four(
-        gap.a - (d.x + y.a * turned.y - x.a * turned.z), gap.b - (d.x + y.b * turned.y - x.b * turned.z),
-        gap.c - (d.x + y.c * turned.y - x.c * turned.z), gap.d - (d.x + y.d * turned.y - x.d * turned.z),
-    )  # fmt: skip
+    gap = gaps_now(i, blocks, o, index, count, rows, C, x, y)
     beta = load(blocks, o + s.B_BETA)
     aim = Four(
         allowed(gap.a, beta, h), allowed(gap.b, beta, h), allowed(gap.c, beta, h), allowed(gap.d, beta, h)
@@ -219,7 +223,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls, laws):
     zero = left0 - left0
     # a gap is closed by a rigid contact, for what a soft one leaves would become a penetration; and a new contact that
     # touches gets the load that it will have in the end, to which it is lifted (lift_block)
-    rigid_from = -TOUCHES if cold else 0.0
+    rigid_from = (-TOUCHES if cold else 0.0) if exact is None else -1e30
     gamma = Four(
         select(gap.a > rigid_from, zero, gamma.a), select(gap.b > rigid_from, zero, gamma.b),
         select(gap.c > rigid_from, zero, gamma.c), select(gap.d > rigid_from, zero, gamma.d),
@@ -302,15 +306,17 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls, laws):
         now = select(sliding, v.x, stuck_left) + py * w.y - px * w.z
         left = select(going, now, left) if sweep > 0 else now
         N = lam.a + lam.b + lam.c + lam.d
-        N = select(near, greatest(N + (left - left0) * rigid, 0.0), N)
+        if exact is None:
+            N = select(near, greatest(N + (left - left0) * rigid, 0.0), N)
         over = level(stick * unit_of(select(sliding, mu_d, mu_s) * N, stick), surface)
         excess = select(going, over, excess) if sweep > 0 else over
-        inside = excess <= select(sliding, zero + 1.0, zero + (BEYOND_DOUBT if cold else OVERLOAD))
+        grace = (BEYOND_DOUBT if cold else OVERLOAD) if exact is None else 1.0
+        inside = excess <= select(sliding, zero + 1.0, zero + grace)
         if not all_of(inside):
             # in a cold pass nothing lets go; it may only not pull harder than it ever could
-            if not cold:
+            if exact is None and not cold:
                 sliding = sliding | ~inside
-            limit = select(sliding, mu_d, mu_s * GRACE) * N
+            limit = select(sliding, mu_d, mu_s * (GRACE if exact is None else 1.0)) * N
             unit = unit_of(limit, stick)
             # the problem divided by the limit: A = F, so numbers stay near one whatever the masses
             g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, ~inside)
@@ -347,13 +353,16 @@ def solve_block(i, blocks, index, count, rows, h, cold, rolls, laws):
     if rolls is not None:
         store(blocks, o + s.B_ROLL, roll_u)
         store(blocks, o + s.B_ROLL + 1, roll_v)
-        if not cold:
+        if counts:
             rolled = load(blocks, o + s.B_ROLLED) + (roll_u * w.y + roll_v * w.z)
             store(blocks, o + s.B_ROLLED, rolled)
-    if not cold:
+    if exact is not None:
+        store(blocks, o + s.B_OVER, excess)
+    if counts:
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
-        decide_state(blocks, o, sliding, inside, excess)
+        if exact is None:
+            decide_state(blocks, o, sliding, inside, excess)
         slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
         if laws is None:
             keep_sums(blocks, o, lam, pull, slip, sliding)
@@ -441,68 +450,3 @@ def keep_sums(blocks, o, net, pull, slip, sliding):
 def has_fresh(blocks, i):
     """Whether a manifold of block i is new in this step."""
     return any_of(load(blocks, i * s.FIELDS + s.B_FRESH) > 0.5)
-
-
-@jit
-def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledger, laws):
-    """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
-
-    A lane that was padded names the manifold of nobody.
-    """
-    for i in range(count):
-        o = i * s.FIELDS
-        for lane in range(LANES):
-            row = index[i + 2 * count, lane]
-            if row > 0:
-                slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
-                scale = blocks[o + s.B_SCALE, lane] * 1.0
-                store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws)
-                friction, rolling = blocks[o + s.B_WORK, lane] * scale, blocks[o + s.B_ROLLED, lane] * scale
-                ledger[FRICTION] += friction
-                ledger[ROLLING_LOSS] += rolling
-                if slid or rolling > 0.0:
-                    a, b = index[i, lane] - 1, index[i + count, lane] - 1
-                    both = bodies[a, INVERSE_MASS] > 0.0 and bodies[b, INVERSE_MASS] > 0.0
-                    share = (friction + rolling) * (0.5 if both else 1.0)
-                    if bodies[a, INVERSE_MASS] > 0.0:
-                        bodies[a, FRICTION_WORK] += share
-                    if bodies[b, INVERSE_MASS] > 0.0:
-                        bodies[b, FRICTION_WORK] += share
-
-
-@jit
-def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws):
-    """The same for one manifold; impulses of the block times ``scale`` are impulses, times ``rate`` forces."""
-    u = Vec3(blocks[o + s.B_TANGENT, lane], blocks[o + s.B_TANGENT + 1, lane], blocks[o + s.B_TANGENT + 2, lane])
-    n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
-    v = cross(n, u)
-    arm = blocks[o + s.B_TORQUE, lane]
-    px, py = blocks[o + s.B_CENTER, lane], blocks[o + s.B_CENTER + 1, lane]
-    for k in range(4):
-        manifolds[row, s.LOAD + k] = blocks[o + s.B_LOAD + k, lane] * rate
-        reports[row, s.TOTAL_LOAD + k] = blocks[o + s.B_TOTAL_LOAD + k, lane] * scale
-    if manifolds[row, s.FRESH] == s.QUIET:
-        for k in range(4):
-            reports[row, s.LIFT + k] = blocks[o + s.B_LIFT + k, lane]
-            manifolds[row, s.GAP + k] -= blocks[o + s.B_LIFT + k, lane]
-    for k in range(4):
-        lift = reports[row, s.LIFT + k]
-        if lift > 0.0:
-            # how deep its load has a point; what it is lifted by beyond that is taken back slowly
-            depth = blocks[o + s.B_SOFT + k, lane] * blocks[o + s.B_LOAD + k, lane] / blocks[o + s.B_BETA, lane]
-            if lift > depth + LEAST_LIFT:
-                reports[row, s.LIFT + k] -= (lift - depth) * part
-                manifolds[row, s.GAP + k] += (lift - depth) * part
-    fu, fv = force_in_plane(blocks, o, lane, s.B_PULL, laws)
-    fu, fv = fu * rate, fv * rate
-    put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
-    manifolds[row, s.SPIN] = blocks[o + s.B_PULL + 2, lane] * (arm * rate) + px * fv - py * fu
-    fu, fv = force_in_plane(blocks, o, lane, s.B_TOTAL_PULL, laws)
-    fu, fv = fu * scale, fv * scale
-    put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
-    reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * (arm * scale) + px * fv - py * fu
-    manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
-    manifolds[row, s.ROLL] = blocks[o + s.B_ROLL, lane] * rate
-    manifolds[row, s.ROLL + 1] = blocks[o + s.B_ROLL + 1, lane] * rate
-    manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
-    manifolds[row, s.FRESH] = 0.0

@@ -1,0 +1,78 @@
+"""What a step has made of its manifolds: from the blocks back to rows, and into the ledger."""
+
+from __future__ import annotations
+
+from stiction.core import soft_rows as s
+from stiction.core.friction.laws import force_in_plane
+from stiction.core.jit import jit
+from stiction.core.lanes import LANES
+from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, ROLLING_LOSS
+from stiction.core.vec import Vec3, cross, put_vec3
+
+LEAST_LIFT = 1e-9
+"""m"""
+
+
+@jit
+def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledger, laws):
+    """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
+
+    A lane that was padded names the manifold of nobody.
+    """
+    for i in range(count):
+        o = i * s.FIELDS
+        for lane in range(LANES):
+            row = index[i + 2 * count, lane]
+            if row > 0:
+                slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
+                scale = blocks[o + s.B_SCALE, lane] * 1.0
+                store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws)
+                friction, rolling = blocks[o + s.B_WORK, lane] * scale, blocks[o + s.B_ROLLED, lane] * scale
+                ledger[FRICTION] += friction
+                ledger[ROLLING_LOSS] += rolling
+                if slid or rolling > 0.0:
+                    a, b = index[i, lane] - 1, index[i + count, lane] - 1
+                    both = bodies[a, INVERSE_MASS] > 0.0 and bodies[b, INVERSE_MASS] > 0.0
+                    share = (friction + rolling) * (0.5 if both else 1.0)
+                    if bodies[a, INVERSE_MASS] > 0.0:
+                        bodies[a, FRICTION_WORK] += share
+                    if bodies[b, INVERSE_MASS] > 0.0:
+                        bodies[b, FRICTION_WORK] += share
+
+
+@jit
+def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws):
+    """The same for one manifold; impulses of the block times ``scale`` are impulses, times ``rate`` forces."""
+    u = Vec3(blocks[o + s.B_TANGENT, lane], blocks[o + s.B_TANGENT + 1, lane], blocks[o + s.B_TANGENT + 2, lane])
+    n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
+    v = cross(n, u)
+    arm = blocks[o + s.B_TORQUE, lane]
+    px, py = blocks[o + s.B_CENTER, lane], blocks[o + s.B_CENTER + 1, lane]
+    for k in range(4):
+        manifolds[row, s.LOAD + k] = blocks[o + s.B_LOAD + k, lane] * rate
+        reports[row, s.TOTAL_LOAD + k] = blocks[o + s.B_TOTAL_LOAD + k, lane] * scale
+    if manifolds[row, s.FRESH] == s.QUIET:
+        for k in range(4):
+            reports[row, s.LIFT + k] = blocks[o + s.B_LIFT + k, lane]
+            manifolds[row, s.GAP + k] -= blocks[o + s.B_LIFT + k, lane]
+    for k in range(4):
+        lift = reports[row, s.LIFT + k]
+        if lift > 0.0:
+            # how deep its load has a point; what it is lifted by beyond that is taken back slowly
+            depth = blocks[o + s.B_SOFT + k, lane] * blocks[o + s.B_LOAD + k, lane] / blocks[o + s.B_BETA, lane]
+            if lift > depth + LEAST_LIFT:
+                reports[row, s.LIFT + k] -= (lift - depth) * part
+                manifolds[row, s.GAP + k] += (lift - depth) * part
+    fu, fv = force_in_plane(blocks, o, lane, s.B_PULL, laws)
+    fu, fv = fu * rate, fv * rate
+    put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
+    manifolds[row, s.SPIN] = blocks[o + s.B_PULL + 2, lane] * (arm * rate) + px * fv - py * fu
+    fu, fv = force_in_plane(blocks, o, lane, s.B_TOTAL_PULL, laws)
+    fu, fv = fu * scale, fv * scale
+    put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
+    reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * (arm * scale) + px * fv - py * fu
+    manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
+    manifolds[row, s.ROLL] = blocks[o + s.B_ROLL, lane] * rate
+    manifolds[row, s.ROLL + 1] = blocks[o + s.B_ROLL + 1, lane] * rate
+    manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
+    manifolds[row, s.FRESH] = 0.0
