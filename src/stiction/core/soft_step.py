@@ -32,7 +32,7 @@ from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
 from stiction.core.solve.exact import TALLY, exact_of
 from stiction.core.solve.passes import run_passes
 from stiction.core.solve.results import store_blocks
-from stiction.core.solve.soft import NEAR, SETTLING, UNEVEN
+from stiction.core.solve.soft import NEAR, NOTHING_NEW, QUIET_NEW, SETTLING, SOME_NEW, UNEVEN
 from stiction.core.state import (
     ASLEEP,
     CONTACT_WIDTH,
@@ -193,7 +193,7 @@ def take_steps(
         moving = list_moving(bodies, kinds, lists, scratch.normals, touching, gravity)
         lap(profile, 3)
         if blocks > 0:
-            fresh = any_fresh(soft.manifolds, scratch.active, active)
+            fresh = new_ones(soft.manifolds, scratch.active, active)
             call(team, SOLVE, blocks, moving, substeps, h, fresh)
             run_passes(
                 soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], blocks, moving, h,
@@ -258,7 +258,7 @@ def assist(
         else:
             run_passes(
                 soft, lists[MOVING], lists[GLIDE], scratch.normals, scratch.counts[COUNTS:], words[COUNT],
-                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], numbers[1] > 0.0, words, rolls, laws, None, team,
+                words[MOVING_BODIES], numbers[0], words[SUBSTEPS], int(numbers[1]), words, rolls, laws, None, team,
                 worker,
             )  # fmt: skip
 
@@ -443,12 +443,16 @@ def list_moving(bodies, kinds, lists, normals, touching, gravity):
 
 
 @jit
-def any_fresh(manifolds, active, count):
-    """Whether one of the active manifolds is new in this step."""
+def new_ones(manifolds, active, count):
+    """Which of the active manifolds are new in this step: none, some that move, or only quiet ones."""
+    new = NOTHING_NEW
     for k in range(count):
-        if manifolds[active[k, 2] + 1, s.FRESH] > s.OLD:
-            return True
-    return False
+        fresh = manifolds[active[k, 2] + 1, s.FRESH]
+        if fresh == s.QUIET:
+            new = QUIET_NEW
+        elif fresh > s.OLD:
+            return SOME_NEW
+    return new
 
 
 @jit

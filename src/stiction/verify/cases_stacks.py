@@ -34,7 +34,7 @@ class SinkOfSoftContacts(Case):
         "of millimetres to 1e-9 m. What is put down without a fall has the load of its contact found before it moves, "
         "and its springs are set up so that they carry it where it is"
     )
-    solvers = ("soft", "exact")
+    solvers = ("soft",)
     FALL: ClassVar = 2e-4
     """m"""
 

@@ -43,12 +43,15 @@ def make_world(
 
 
 def solver_tolerance(solver: str) -> float:
-    """eps: how far the velocity of a contact may be from what its law demands when a step ends, m/s."""
+    """eps: how far the velocity of a contact may be from what its law demands when a step ends, m/s.
+
+    ``exact`` resolves impacts that bounce as ``micro`` does.
+    """
     from stiction.core.solve.micro import TOLERANCE
     from stiction.core.solve.soft import ENOUGH
     from stiction.world import TOLERANCE as EXACT
 
-    return {"micro": TOLERANCE, "soft": ENOUGH, "exact": EXACT}[solver]
+    return {"micro": TOLERANCE, "soft": ENOUGH, "exact": max(EXACT, TOLERANCE)}[solver]
 
 
 def slip_speed() -> float:

@@ -40,7 +40,7 @@ from stiction.core.vec import Vec3, cross, dot, mat33, vec3
 COULOMB, STRIBECK, CURVE, BRUSH, MAGIC = range(5)
 """Codes of the laws."""
 
-SLOW_WHEEL = 1e-3
+SLOW_WHEEL = 1e-6
 """m/s, least speed that slip is a part of."""
 PEAK = 1.5
 """Of the peak of a tyre's curve: friction is never more, whatever the slip of the substep before was."""

@@ -9,7 +9,20 @@ from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
 from stiction.core.solve.exact import iterate, rigidity
-from stiction.core.solve.soft import COLD_PASSES, has_fresh, lift_block, softness, solve_block, warm_block
+from stiction.core.solve.soft import (
+    COLD_ENOUGH,
+    COLD_PASSES,
+    MOST_COLD_PASSES,
+    MOST_COLD_WORK,
+    NOTHING_NEW,
+    SOME_NEW,
+    has_fresh,
+    last_change,
+    lift_block,
+    softness,
+    solve_block,
+    warm_block,
+)
 from stiction.core.team import meet, share
 
 
@@ -20,7 +33,7 @@ def run_passes(
     """Prepare, warm start, cold passes for what is new, and all substeps.
 
     ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, and ``moving`` bodies;
-    ``fresh``: whether any manifold is new; ``laws``: see :func:`prepare_block`; ``exact``: None, or what
+    ``fresh``: which manifolds are new; ``laws``: see :func:`prepare_block`; ``exact``: None, or what
     :func:`iterate` needs. Every worker does a share of each colour, and they meet before the next one.
     """
     blocks, index, manifolds, rows, aux = soft.blocks, soft.members, soft.manifolds, soft.rows, soft.aux
@@ -35,14 +48,17 @@ def run_passes(
         for i in range(first, last):
             warm_block(i, blocks, index, count, rows, laws)
         meet(team)
-    if fresh and exact is None:
-        for _ in range(COLD_PASSES):
+    if fresh > NOTHING_NEW and exact is None:
+        most = COLD_PASSES if fresh == SOME_NEW else max(COLD_PASSES, min(MOST_COLD_PASSES, MOST_COLD_WORK // count))
+        for turn in range(most):
             for r in range(rounds):
                 first, last = blocks_of(sizes, r, count, team, worker)
                 for i in range(first, last):
                     if has_fresh(blocks, i):
                         solve_block(i, blocks, index, count, rows, h, True, False, rolls, laws, exact)
                 meet(team)
+            if turn % COLD_PASSES == COLD_PASSES - 1 and last_change(blocks, count) < COLD_ENOUGH:
+                break
         first, last = share(team, worker, 0, count)
         for i in range(first, last):
             if has_fresh(blocks, i):
