@@ -32,7 +32,7 @@ def is_awake(kinds, i):
 
 @jit
 def update_manifolds(
-    bodies, kinds, pairs, npairs, soft, active, contacts, tags, points, table, slow, boxes_meet, hulls, team
+    bodies, kinds, pairs, npairs, soft, active, contacts, tags, points, table, slow, dt, boxes_meet, hulls, team
 ):  # fmt: skip
     """Bring the manifolds of all pairs up to date that have a body that is awake, and mark those with points.
 
@@ -66,7 +66,7 @@ def update_manifolds(
                         bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow
                     )
             if meta[row, s.POINTS] > 0.0:
-                refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row)
+                refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, dt)
                 active[k, HAS_POINTS] = 1
         piece += 1
         first, last = take_piece(team, piece, npairs)

@@ -63,6 +63,8 @@ FORGOTTEN = 0.5
 """Of the smaller body's reach: after so much motion the last direction of a pair is no hint any more."""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
+PULL_BACK = 0.1
+"""Of the way that a face that sticks has crept, in a step."""
 LEAP = 0.3
 """Of its arm: a point of contact that went farther in a step did not roll there."""
 
@@ -150,7 +152,9 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
     same = meta[row, s.POINTS] == found
     for k in range(found):
         same &= meta[row, s.FEATURES + k] == tags[k, FEATURE]
-    if not same:
+    if found > 2:
+        reports[row, s.HELD] = 0.0
+    elif not same:
         put_vec3(reports, row, s.HERE_A, center - xa)
         put_vec3(reports, row, s.HERE_B, center - xb)
         meta[row, s.PLACED] = -1.0
@@ -275,7 +279,7 @@ def belt_velocity(bodies, pose, a, b):
 
 
 @jit
-def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row):
+def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, dt):
     """What changes from step to step: the arms to the anchor, how far b is from where it was, and belts.
 
     One or two points may roll along both bodies. Their arms are those of the middle of the step, if the points go on as
@@ -299,12 +303,38 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row):
     put_vec3(manifolds, row, s.SHIFT, (vec3(pose, b + 1, s.POSE_X) + rb) - (vec3(pose, a + 1, s.POSE_X) + ra))
     if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
         put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
+    elif meta[row, s.POINTS] > 2.0:
+        keep_place(manifolds, reports, row, mat33(pose, a + 1, s.POSE_ROTATION), dt)
     if kinds[a, MOBILITY] == KINEMATIC or kinds[b, MOBILITY] == KINEMATIC:
         # a turntable carries its surface round while the arms of a step stand still
         turning = carried_round(bodies, kinds, a, b) - carried_round(bodies, kinds, b, a)
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)
         n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
         manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
+
+
+@jit
+def keep_place(manifolds, reports, row, Ra, dt):
+    """Pull a face that sticks back to where it took hold: as a velocity of the surface of a, by a part a step.
+
+    What rounding makes creep, 1e-6 m in ten minutes, so stays where it is for hours. Friction has to give that pull as
+    any other, so it lets go at the same force. The place is kept in the axes of a.
+    """
+    shift = vec3(manifolds, row, s.SHIFT)
+    back = Vec3(0.0, 0.0, 0.0)
+    load = (manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1]) + (
+        manifolds[row, s.LOAD + 2] + manifolds[row, s.LOAD + 3]
+    )
+    if manifolds[row, s.STATE] != s.STUCK or load <= 0.0:
+        reports[row, s.HELD] = 0.0
+    elif reports[row, s.HELD] == 0.0:
+        reports[row, s.HELD] = 1.0
+        put_vec3(reports, row, s.PLACE, transpose(Ra) @ shift)
+    else:
+        n = Ra @ vec3(manifolds, row, s.NORMAL_A)
+        off = shift - Ra @ vec3(reports, row, s.PLACE)
+        back = (off - n * dot(n, off)) * (-PULL_BACK / dt)
+    put_vec3(manifolds, row, s.BELT, back)
 
 
 @jit

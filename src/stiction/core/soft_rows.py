@@ -48,7 +48,9 @@ STUCK, SLIDING = 0.0, 1.0
 (TOTAL_LOAD, TOTAL_PULL, TOTAL_TWIST, LIFT, HERE_A, HERE_B, REPORT_WIDTH) = _starts(4, 3, 1, 4, 3, 3)
 """Columns of the reports, (m, REPORT_WIDTH): normal impulses of the whole step a point, friction impulse (world) and
 torque impulse about the normal at the anchor; by how much the points are held above where they will have sunk to, m;
-where the anchor of one or two points was at the start of the step, from the centres of mass, world, m."""
+where the anchor of one or two points was at the start of the step, from the centres of mass, world, m. Of a face the
+same columns hold where b was against a when it took hold, in the axes of a, m, and whether it holds."""
+PLACE, HELD = HERE_A, HERE_B
 
 OLD, NEW, QUIET = 0.0, 1.0, 2.0
 """What FRESH says of a manifold: made before this step; in it; in it, and its bodies hardly move against each other."""

@@ -154,10 +154,10 @@ def take_steps(
             for k in range(cache.counts[BEGUN]):
                 clear_manifold(soft.manifolds, soft.meta, soft.reports, cache.begun[k, SLOT] + 1)
             lap(profile, 1)
-            call(team, FIND, pairs, 0, 0, SLOW * g * dt, 0.0)
+            call(team, FIND, pairs, 0, 0, SLOW * g * dt, dt)
             update_manifolds(
                 bodies, kinds, cache.pairs, pairs, soft, scratch.active, scratch.contacts, scratch.tags, scratch.points,
-                table, SLOW * g * dt, boxes_meet, hulls, team,
+                table, SLOW * g * dt, dt, boxes_meet, hulls, team,
             )  # fmt: skip
             meet(team)
             active, woke = list_manifolds(bodies, kinds, n, cache.pairs, pairs, scratch.active)
@@ -252,7 +252,7 @@ def assist(
         if words[JOB] == FIND:
             update_manifolds(
                 bodies, kinds, pairs, words[COUNT], soft, scratch.active, contacts, tags, points, table, numbers[0],
-                boxes_meet, hulls, team,
+                numbers[1], boxes_meet, hulls, team,
             )  # fmt: skip
             meet(team)
         else:
