@@ -21,24 +21,25 @@ class Adapter(Engine):
     name = "robox3d"
     module = "robox3d"
     distribution = "robox3d"
+    combines = "geometric mean"
     notes = "4 substeps, 1 worker, sleeping off; a cylinder is a prism with 16 sides"
 
     def _build(self, scene: BenchScene, dt: float) -> None:
         robox3d = self.load()
         self.world = robox3d.World(gravity=scene.gravity, substeps=4, worker_count=1, enable_sleep=False)
         self.bodies = []
-        for body in scene.bodies:
+        for body, friction in zip(scene.bodies, self.coefficients(scene), strict=True):
             kind = "kinematic" if body.kinematic else "static" if body.density is None else "dynamic"
             made = self.world.create_body(body.position, xyzw(body.orientation), kind)
-            self._add_shape(made, body.shape, density(body), scene)
+            self._add_shape(made, body.shape, density(body), friction, scene.restitution)
             if kind != "static":
                 made.linear_velocity, made.angular_velocity = body.velocity, body.angular_velocity
             self.bodies.append(made)
         self.group = self.load("robox3d.core.batch").BodyGroup(self.bodies)
 
     @staticmethod
-    def _add_shape(body: Any, shape: Shape, density: float, scene: BenchScene) -> None:
-        surface = {"density": density, "friction": scene.friction, "restitution": scene.restitution}
+    def _add_shape(body: Any, shape: Shape, density: float, friction: float, restitution: float) -> None:
+        surface = {"density": density, "friction": friction, "restitution": restitution}
         match shape:
             case Sphere():
                 body.add_sphere(shape.radius, **surface)
@@ -59,6 +60,9 @@ class Adapter(Engine):
         self.bodies[index].linear_velocity = floats(velocity)
         self.bodies[index].angular_velocity = floats(spin)
 
+    def _push(self, index: int, force: Array) -> None:
+        self.bodies[index].apply_force(floats(force))
+
     def positions(self) -> Array:
         return np.array(self.group.poses()[:, :3], dtype=np.float64)
 
@@ -67,6 +71,9 @@ class Adapter(Engine):
 
     def velocities(self) -> Array:
         return np.array(self.group.velocities()[:, :3], dtype=np.float64)
+
+    def angular_velocities(self) -> Array:
+        return np.array(self.group.velocities()[:, 3:], dtype=np.float64)
 
 
 def prism(shape: Cylinder) -> Array:
