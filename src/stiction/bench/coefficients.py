@@ -27,7 +27,11 @@ RULES: dict[Rule, str] = {
 
 def combine(rule: Rule, a: float, b: float) -> float:
     """The coefficient of a pair."""
-    return {"mean": 0.5 * (a + b), "geometric mean": math.sqrt(a * b), "product": a * b, "maximum": max(a, b)}[rule]
+    if rule == "mean":
+        return 0.5 * (a + b)
+    if rule == "maximum":
+        return max(a, b)
+    return a * b if rule == "product" else math.sqrt(a * b)
 
 
 def of_bodies(scene: BenchScene, rule: Rule) -> list[float]:
@@ -47,11 +51,13 @@ def of_bodies(scene: BenchScene, rule: Rule) -> list[float]:
         for k, (a, b, _) in enumerate(scene.pairs):
             for name in (a, b):
                 rows[k, names.index(name)] += 1.0 if rule == "product" else 0.5
-        found = np.linalg.lstsq(rows, wanted if rule == "mean" else np.log(wanted), rcond=None)[0]
+        wanted = wanted if rule == "mean" else np.log(wanted)
+        alike = np.full(len(names), wanted.mean() / (2.0 if rule == "product" else 1.0))
+        # of all that would do, those nearest to alike: none is below zero without need
+        found = alike + np.linalg.lstsq(rows, wanted - rows @ alike, rcond=None)[0]
         values = dict(zip(names, found if rule == "mean" else np.exp(found), strict=True))
     for a, b, mu in scene.pairs:
-        made = combine(rule, values[a], values[b])
-        if min(values[a], values[b]) < 0.0 or not math.isclose(made, mu, rel_tol=1e-9):
+        if min(values[a], values[b]) < 0.0 or not math.isclose(combine(rule, values[a], values[b]), mu, rel_tol=1e-9):
             raise InvalidInputError(f"no coefficients of bodies make {mu:g} for {a} and {b} by the rule {rule!r}.")
     rest = own_of(scene.friction, rule)
     return [float(values.get(body.surface, rest)) for body in scene.bodies]

@@ -79,8 +79,9 @@ class Gliding:
 
 
 Force = Callable[[float, Array, Array], Array]
-"""(bodies, 3) N at the centres of mass, from the time in s and all positions (bodies, 3) m and velocities (bodies, 3)
-m/s at the start of a step, through which it is held."""
+"""(bodies, 3) N at the centres of mass, held through a step, from the time in s at its start, positions (bodies, 3) m
+half a step later as far as velocities tell (a force held from its start would feed a spring with energy), and
+velocities (bodies, 3) m/s at its start."""
 
 
 @dataclass(frozen=True)

@@ -105,7 +105,9 @@ class Engine(ABC):
     def _push_all(self) -> None:
         if self.scene.force is None:
             return
-        forces = self.scene.force(self.steps * self.dt, self.positions(), self.velocities())
+        velocities = self.velocities()
+        middle = self.positions() + 0.5 * self.dt * velocities
+        forces = self.scene.force(self.steps * self.dt, middle, velocities)
         for index in np.flatnonzero(self.scene.dynamic):
             self._push(int(index), forces[index])
 

@@ -22,6 +22,7 @@ class Adapter(Engine):
     module = "robox3d"
     distribution = "robox3d"
     combines = "geometric mean"
+    rolls = True
     notes = "4 substeps, 1 worker, sleeping off; a cylinder is a prism with 16 sides"
 
     def _build(self, scene: BenchScene, dt: float) -> None:
@@ -31,18 +32,22 @@ class Adapter(Engine):
         for body, friction in zip(scene.bodies, self.coefficients(scene), strict=True):
             kind = "kinematic" if body.kinematic else "static" if body.density is None else "dynamic"
             made = self.world.create_body(body.position, xyzw(body.orientation), kind)
-            self._add_shape(made, body.shape, density(body), friction, scene.restitution)
+            self._add_shape(made, body.shape, density(body), friction, scene)
             if kind != "static":
                 made.linear_velocity, made.angular_velocity = body.velocity, body.angular_velocity
             self.bodies.append(made)
         self.group = self.load("robox3d.core.batch").BodyGroup(self.bodies)
 
-    @staticmethod
-    def _add_shape(body: Any, shape: Shape, density: float, friction: float, restitution: float) -> None:
-        surface = {"density": density, "friction": friction, "restitution": restitution}
+    def _add_shape(self, body: Any, shape: Shape, density: float, friction: float, scene: BenchScene) -> None:
+        surface = {"density": density, "friction": friction, "restitution": scene.restitution}
         match shape:
             case Sphere():
-                body.add_sphere(shape.radius, **surface)
+                made = body.add_sphere(shape.radius, **surface)
+                if scene.rolling:  # a share of the radius here; only the C interface has it
+                    lib = self.load("robox3d._ffi").lib
+                    material = lib.b3Shape_GetSurfaceMaterial(made)
+                    material.rollingResistance = scene.rolling / shape.radius
+                    lib.b3Shape_SetSurfaceMaterial(made, material)
             case Box():
                 body.add_box([0.5 * s for s in shape.size], **surface)
             case Capsule():
