@@ -35,12 +35,13 @@ def number(value: float) -> str:
     """Two or three digits that matter, without an exponent where it can be told without one."""
     if value == 0.0 or 1e-3 <= value < 1e4:
         return f"{value:.3g}" if value < 100.0 else f"{value:.0f}"
-    return f"{value:.0e}"
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
 
 
 def tolerance(trial: Trial) -> str:
     """As text."""
-    return f"{100.0 * trial.tolerance:g} %" if trial.relative else f"{trial.tolerance:.2g} {trial.unit}"
+    return f"{100.0 * trial.tolerance:g} %" if trial.relative else f"{number(trial.tolerance)} {trial.unit}"
 
 
 def reading(trial: Trial, score: Score) -> str:

@@ -367,7 +367,7 @@ class RollingBenchmark(Trial):
         "Hwangbo, Kang, Hutter, SimBenchmark (ETH Zurich, 2018), test 'rolling': mean of |v_ball - exact|^2 + |v_box - "
         "exact|^2; a box that never moves has 3.15 (m/s)^2"
     )
-    unit = "(m/s)^2"
+    unit = "m²/s²"
     relative = False
     tolerance = 3.146e-4
     tolerance_reason = "the square of one per cent, of what standing still has"
