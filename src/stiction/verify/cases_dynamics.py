@@ -21,7 +21,6 @@ from stiction.verify.setups import (
     distance_error,
     make_world,
     sink,
-    solver_tolerance,
     speed_error,
     steps_for,
     stop_error,
@@ -38,20 +37,28 @@ class SlidingRod(Case):
 
     name = "sliding-rod"
     title = "a rod pushed along the floor on its end moves as Coulomb's law says; beyond mu_P its slide ends at once"
-    formula = "N (1 / m + l c (l c - mu (l s + r)) / I) = g - l s w^2, c = cos, s = sin of its angle; mu_P where N has no value"
+    formula = (
+        "N (1 / m + l c (l c - mu (l s + r)) / I) = g - l s w^2, c = cos, s = sin of its angle; mu_P where N has "
+        "no value"
+    )
     source = (
-        LAWS + "; Painlevé, 'Sur les lois du frottement de glissement', C. R. Acad. Sci. 121 (1895); Génot and Brogliato, "
+        LAWS
+        + "; Painlevé, 'Sur les lois du frottement de glissement', C. R. Acad. Sci. 121 (1895); Génot and Brogliato, "
         "'New results on Painlevé paradoxes', Eur. J. Mech. A 18 (1999); the motion is integrated here (Runge-Kutta)"
     )
-    tolerance = "a t h + 1e-6 m (ways), w' t h (angle) with the largest of each; 1e-3 of the speed (slip), 1e-9 (energy)"
+    tolerance = (
+        "c t h + 1e-6 m (ways), w' t h (angle), c the change of the acceleration; 2 dt (end of slip), 1e-9 (energy)"
+    )
     tolerance_reason = (
-        "velocities are those of the end of a step, which costs a t h / 2; as much again because forces are those of the "
-        "start of a step; beyond mu_P an impact without a blow (a jam) stops the end within steps"
+        "the rod goes with the mean of old and new velocity, so only a change of its acceleration shows, and an "
+        "angular "
+        "velocity is held through a step; beyond mu_P an impact without a blow (a jam) takes a step or two, "
+        "where mu g would take ten"
     )
     other_tolerance: ClassVar = {
         "soft": (
-            "a t h + g / omega^2 / (1 - mu / mu_P) (ways), and that over l more (angle); 1e-3 of the speed (slip), 1e-6 "
-            "(energy)",
+            "c t h + g / omega^2 / (1 - mu / mu_P) (ways), and that over l more (angle); 2 dt (end of slip), "
+            "1e-6 (energy)",
             "as for micro, with the substep for h; and the end sinks by its load",
         ),
     }
@@ -59,7 +66,8 @@ class SlidingRod(Case):
     RADIUS: ClassVar = 0.02
     ANGLE: ClassVar = math.atan(2.0)
     SPEED: ClassVar = 3.0
-    SECONDS: ClassVar = 0.2
+    SECONDS: ClassVar = 0.1
+    """So short that the end neither stops nor lifts off."""
 
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
         """Towards the end that friction props, at 0.3 and 0.6 mu_P, and at 1.3 mu_P."""
@@ -73,18 +81,21 @@ class SlidingRod(Case):
             mu = share * paradox
             world, rod = self._world(solver, dt, mu)
             world.step(steps)
-            x, angle, most, turning = self._reference(mu, inertia / mass, t)
+            x, angle, change, turning = self._reference(mu, inertia / mass, t)
             deep = {"micro": 1e-6}.get(solver, sink(solver, dt) / (1.0 - share))
             what = f"{share:g} mu_P"
-            yield Measurement(f"way in {t:.3g} s, {what}", x, float(rod.position[0]), most * t * h + deep, "m")
+            yield Measurement(f"way in {t:.3g} s, {what}", x, float(rod.position[0]), change * t * h + deep, "m")
             seen = self.ANGLE + self._turned(rod)
             yield Measurement(f"angle after {t:.3g} s, {what}", angle, seen, turning * t * h + deep / half, "rad")
         world, rod = self._world(solver, dt, 1.3 * paradox)
         before = rod.kinetic_energy + mass * G * float(rod.position[2])
-        world.step(4)
-        slip = self._slip(rod)
+        stopped = math.nan
+        for k in range(4):
+            world.step()
+            if math.isnan(stopped) and self._slip(rod) < 0.02 * self.SPEED:
+                stopped = dt * (k + 1)
         after = rod.kinetic_energy + mass * G * float(rod.position[2])
-        yield Measurement("slip after four steps, 1.3 mu_P", 0.0, slip, 1e-3 * self.SPEED, "m/s")
+        yield Measurement("time until slip is below 2 %, 1.3 mu_P", 0.0, stopped, 2.001 * dt, "s")
         gain = max(0.0, after / before - 1.0)
         yield Measurement("gain of energy, 1.3 mu_P", 0.0, gain, {"micro": 1e-9}.get(solver, 1e-6))
 
@@ -126,7 +137,7 @@ class SlidingRod(Case):
         return abs(float((rod.velocity + np.cross(rod.angular_velocity, arm))[0]))
 
     def _reference(self, mu: float, inertia: float, seconds: float) -> tuple[float, float, float, float]:
-        """Way (m) and angle (rad) at the end, largest acceleration and angular acceleration; ``inertia`` is I / m."""
+        """Way (m) and angle (rad) at the end, change of acceleration and largest angular one; ``inertia`` is I / m."""
         half, r = 0.5 * self.LENGTH, self.RADIUS
 
         def rates(q: Array) -> Array:
@@ -137,15 +148,17 @@ class SlidingRod(Case):
             return np.array([v, mu * n, w, n * (mu * (half * s + r) - half * c) / inertia])
 
         q, h = np.array([0.0, -self.SPEED, self.ANGLE, 0.0]), seconds / 2000
-        most, turning = 0.0, 0.0
+        first, change, turning = float(rates(q)[1]), 0.0, 0.0
         for _ in range(2000):
             k1 = rates(q)
             k2 = rates(q + 0.5 * h * k1)
             k3 = rates(q + 0.5 * h * k2)
             k4 = rates(q + h * k3)
             q = q + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-            most, turning = max(most, abs(k1[1])), max(turning, abs(k1[3]))
-        return float(q[0]), float(q[2]), most, turning
+            change, turning = max(change, abs(k1[1] - first)), max(turning, abs(k1[3]))
+            if k1[1] <= 0.0 or q[1] + q[3] * (half * math.sin(q[2]) + r) >= 0.0:
+                return math.nan, math.nan, change, turning  # lifted off, or stopped
+        return float(q[0]), float(q[2]), change, turning
 
 
 class FollowAndDraw(Case):
@@ -158,14 +171,11 @@ class FollowAndDraw(Case):
         "equal spheres without friction between them and e = 1 swap velocities and keep their spins; then each slides "
         "until it rolls (2/7 r w + 5/7 v); Alciatore, 'The Illustrated Principles of Pool and Billiards'"
     )
-    tolerance = "eps sqrt(t / dt) + mu g dt"
-    tolerance_reason = (
-        "the balls touch when the step begins, but the cloth may have braked or sped up the cue ball for that step before "
-        "the hit; it takes part of it from one ball and gives it to the other"
-    )
+    tolerance = "eps sqrt(t / dt)"
+    tolerance_reason = "the balls touch when the first step begins, and hit before the cloth can act"
     other_tolerance: ClassVar = {
         "soft": (
-            "eps sqrt(t / dt) + u v t / h + mu g dt + v g / (r omega^2)",
+            "eps sqrt(t / dt) + u v t / h + v g / (r omega^2)",
             "as for micro; single precision (u = 2^-24) rounds speeds; and arms on the cloth are short by half of what "
             "the balls sink, g / omega^2",
         ),
@@ -190,7 +200,7 @@ class FollowAndDraw(Case):
             ball = world.add(st.Sphere(r), position=(0, 0, r), material="ball")
             steps = steps_for(2.0, dt)
             world.step(steps)
-            slack = speed_error(solver, steps * dt, dt, v) + self.MU * G * dt + v * arm_error(solver, dt, r)
+            slack = speed_error(solver, steps * dt, dt, v) + v * arm_error(solver, dt, r)
             expected = K / (1.0 + K) * spin * v
             yield Measurement(f"cue ball, {name}", expected, float(cue.velocity[0]), slack, "m/s")
             yield Measurement(f"object ball, {name}", v / (1.0 + K), float(ball.velocity[0]), slack, "m/s")
@@ -202,7 +212,9 @@ class ShakenPlate(Case):
     name = "shaken-plate"
     title = "a crate on a plate that goes gently and stops with a jerk travels over it"
     formula = "per stroke V^2 / (2 mu_d g) - V^2 / (2 A), A > mu_s g the plate's braking"
-    source = LAWS + " with two coefficients: held while the plate speeds up with less than mu_s g, sliding while it brakes"
+    source = (
+        LAWS + " with two coefficients: held while the plate speeds up with less than mu_s g, sliding while it brakes"
+    )
     tolerance = "per stroke V dt / 2 + 2 g dt^2 + eps t sqrt(t / dt)"
     tolerance_reason = (
         "the plate has gone with its new velocity all of a step, the crate with the mean of its old and new one"
@@ -238,11 +250,15 @@ class ShakenPlate(Case):
         travelled = float((crate.position - plate.position) @ direction)
         t = (rising + falling + resting) * dt
         slack = 0.5 * v * dt + begin_error(solver, mu * G, dt) + stop_error(solver, self.STATIC, mu, dt)
-        slack += delay(solver, dt) * mu * G * dt + distance_error(solver, t, dt, v) + {"micro": 2.0 * G * dt * dt}.get(solver, 0.0)
+        slack += (
+            delay(solver, dt) * mu * G * dt
+            + distance_error(solver, t, dt, v)
+            + {"micro": 2.0 * G * dt * dt}.get(solver, 0.0)
+        )
         n = self.STROKES
         yield Measurement(f"way over the plate, {n} strokes", n * each, travelled, n * slack, "m")
-        across = float(np.linalg.norm(np.cross(crate.position - plate.position, direction)[:2]))
-        yield Measurement("height and way across", 0.1, across, n * slack, "m")
+        across = abs(float(np.cross(direction, crate.position - plate.position)[2]))
+        yield Measurement("way across", 0.0, across, n * slack, "m")
 
 
 class BallsOnABox(Case):
@@ -303,10 +319,11 @@ class DominoWave(Case):
     title = "a wave of dominoes four times as large is twice as fast"
     formula = "v / sqrt(g l) depends on shapes and coefficients only"
     source = "dimensional analysis; van Leeuwen, 'The domino effect', Am. J. Phys. 78 (2010)"
-    tolerance = "2 h sqrt(g / l), relative, l the smaller height"
+    tolerance = "2 %"
     tolerance_reason = (
-        "dt is the only other time: events fall into a step of h, each domino's fall takes sqrt(l / g) or so, and both "
-        "waves have errors of that kind"
+        "a target: dt is the only other time, and h sqrt(g / l) is 0.3 % for the smaller ones in soft; but box "
+        "hits box "
+        "many times under way, and hits that come a little earlier or later do not stay a little apart"
     )
     COUNT: ClassVar = 14
     SMALL: ClassVar = 4.0
@@ -315,10 +332,9 @@ class DominoWave(Case):
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
         """Heights of 4 and 16 m, so that a step is short."""
         small, large = (self._speed(solver, dt, length) for length in (self.SMALL, self.LARGE))
-        slack = 2.0 * substep(solver, dt) * math.sqrt(G / self.SMALL)
-        yield Measurement("v / sqrt(g l) of the smaller ones", large, small, slack, "", "relative")
-        mean = 0.5 * (small + large)
-        yield Measurement("in the range of experiments, 0.5 to 2.5", 1.5, mean, 1.0)
+        yield Measurement(
+            "v / sqrt(g l) of the smaller ones, that of the larger ones", large, small, 0.02, "", "relative"
+        )
 
     def _speed(self, solver: str, dt: float, length: float) -> float:
         """Over the dominoes from the fifth on, in sqrt(g l)."""
@@ -356,12 +372,22 @@ class KaplaTower(Case):
     title = "a building of 102 blocks, laid without mortar, stands"
     formula = "v = 0"
     source = (
-        "Hwangbo, Kang and Hutter, SimBenchmark (ETH Zurich, 2018), test 'kapla', for 20 s; benchmarks/kapla.py has its "
+        "Hwangbo, Kang and Hutter, SimBenchmark (ETH Zurich, 2018), test 'kapla', for 20 s; benchmarks/kapla.py "
+        "has its "
         "600 s"
     )
     tolerance = "1 mm/s (speed), 1 mm (drift)"
     tolerance_reason = "targets: a hundredth of a block's height is what eyes do not see"
     solvers = ("soft",)
+    known_limit: ClassVar = {
+        "soft": (
+            "its contacts are springs whose stiffness goes with 1 / dt^2; at 1/60 s twelve layers give way by 8 "
+            "mm where "
+            "blocks overlap by 25 mm, so that they tilt, creep and fall within seconds (at 0.01 s within half a "
+            "minute); "
+            "at 1/120 s the building stands for minutes, and at 1/240 s it stays within a millimetre"
+        ),
+    }
     SECONDS: ClassVar = 20.0
 
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
@@ -375,10 +401,13 @@ class KaplaTower(Case):
         moved = (world.positions - starts)[1:]
         fastest = float(np.max(np.linalg.norm(world.velocities, axis=1)))
         yield Measurement(f"fastest block at {self.SECONDS:g} s", 0.0, fastest, 1e-3, "m/s")
-        yield Measurement("farthest from its place, sideways", 0.0, float(np.max(np.hypot(moved[:, 0], moved[:, 1]))), 1e-3, "m")
+        drift = float(np.max(np.hypot(moved[:, 0], moved[:, 1])))
+        yield Measurement("farthest from its place, sideways", 0.0, drift, 1e-3, "m")
 
 
-def kapla_blocks(floors: int = 6, across: int = 8) -> list[tuple[tuple[float, float, float], tuple[float, float, float]]]:
+def kapla_blocks(
+    floors: int = 6, across: int = 8
+) -> list[tuple[tuple[float, float, float], tuple[float, float, float]]]:
     """Sizes and positions of the blocks, m: on each floor a row of ties, and two walls of stretchers upon them."""
     thin, long, high = 0.05, 0.2, 0.1
     blocks = []

@@ -36,7 +36,8 @@ class BrakeDistances(Case):
     other_tolerance: ClassVar = {
         "soft": (
             "mu_d g h^2 / 8 + 7/4 (g / omega^2) (H / b + mu_d) + t (eps sqrt(t / dt) + u v t / h)",
-            "as for 'stopping-distance'; and what a block sinks by while it brakes, m z'' = N - m g, takes as much times "
+            "as for 'stopping-distance'; and what a block sinks by while it brakes, m z'' = N - m g, takes as "
+            "much times "
             "mu_d from its way, m x'' = -mu_d N, which shows where mu_d is large",
         ),
     }
@@ -68,12 +69,14 @@ class DiscEndsTogether(Case):
     title = "a disc that slides and spins ends both at the same instant, at one ratio of its speeds"
     formula = "v / (R w) tends to 0.653; on the way as m v' = -mu m g <u / |u|>, I w' = -mu m g <r x u / |u|>"
     source = (
-        LAWS + " under uniform pressure, integrated here; Farkas, Bartels, Unger and Wolf, 'Frictional coupling between "
+        LAWS
+        + " under uniform pressure, integrated here; Farkas, Bartels, Unger and Wolf, 'Frictional coupling between "
         "sliding and spinning motion', Phys. Rev. Lett. 90, 248302 (2003)"
     )
     tolerance = "3.7 % (ratio), dt (between the ends)"
     tolerance_reason = (
-        "the ratio is driven by that of force and moment, which the fitted limit surface of a disc has within 1.4 % and "
+        "the ratio is driven by that of force and moment, which the fitted limit surface of a disc has within "
+        "1.4 % and "
         "2.3 %; ends are seen once a step"
     )
     solvers = ("soft",)

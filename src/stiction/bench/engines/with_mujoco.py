@@ -39,7 +39,9 @@ class Adapter(Engine):
         self.data = mujoco.MjData(self.model)
         self.moving = np.flatnonzero(scene.dynamic)
         order = [i for i, body in enumerate(scene.bodies) if not body.kinematic]
-        first = 1 if self.scene.turning is None and self.scene.gliding is None else 2  # 0 is the world, 1 what is driven
+        first = (
+            1 if self.scene.turning is None and self.scene.gliding is None else 2
+        )  # 0 is the world, 1 what is driven
         self.numbers = {index: first + k for k, index in enumerate(order)}
         # what is driven comes before the free bodies: the angle of a hinge, or three ways
         self.hinges = 3 if scene.gliding is not None else 1 if scene.turning is not None else 0

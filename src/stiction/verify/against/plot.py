@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-STOPS = ((0.0, "#0b6e75"), (0.3, "#58b0a7"), (0.495, "#e3f1ec"), (0.505, "#fdebd9"), (0.72, "#ec8a4f"), (1.0, "#a3200d"))
+STOPS = (
+    (0.0, "#0b6e75"),
+    (0.3, "#58b0a7"),
+    (0.495, "#e3f1ec"),
+    (0.505, "#fdebd9"),
+    (0.72, "#ec8a4f"),
+    (1.0, "#a3200d"),
+)
 """Colours from 10^-4 of the tolerance to 10^4 times it; they change sides where a trial is passed."""
 INK, PALE, GRID = "#22303a", "#eef0f1", "#d5dadd"
 INKS = dict(zip(COLUMNS, ("#0b6e75", "#7a3fb0", "#b487dd", "#d4622a", "#e8a33d", "#3a6fc4", "#8a8f94"), strict=True))
@@ -29,7 +37,7 @@ def colour(severity: float) -> str:
     if math.isnan(severity):
         return PALE
     x = min(1.0, max(0.0, 0.5 + severity / 8.0))
-    for (a, low), (b, high) in zip(STOPS, STOPS[1:], strict=False):
+    for (a, low), (b, high) in pairwise(STOPS):
         if x <= b:
             share = (x - a) / (b - a)
             mixed = [
@@ -54,9 +62,7 @@ def figure(comparison: Comparison) -> Figure:
     left, right = made.subplots(1, 2, sharey=True, width_ratios=(1.25, 1.0))
     _heat(left, comparison)
     _deviations(right, comparison)
-    made.suptitle(
-        "Friction, engine by engine", x=0.008, ha="left", fontsize=17, fontweight="bold", color=INK
-    )
+    made.suptitle("Friction, engine by engine", x=0.008, ha="left", fontsize=17, fontweight="bold", color=INK)
     return made
 
 
@@ -92,7 +98,9 @@ def _heat(axes: Axes, comparison: Comparison) -> None:
     axes.get_xticklabels()[engines.index(OWN)].set_fontweight("bold")
     _bare(axes)
     axes.set_xlabel(
-        "error of the worst variant; green and bold is within the tolerance, – cannot be expressed", fontsize=9, color=INK
+        "error of the worst variant; green and bold is within the tolerance, – cannot be expressed",
+        fontsize=9,
+        color=INK,
     )
 
 
@@ -124,7 +132,9 @@ def _deviations(axes: Axes, comparison: Comparison) -> None:
     axes.grid(True, axis="x", color=GRID, lw=0.6)
     _bare(axes)
     axes.set_xlabel(
-        "(measured - expected) / tolerance, all variants: bars from end to end, dots in the middle", fontsize=9, color=INK
+        "(measured - expected) / tolerance, all variants: bars from end to end, dots in the middle",
+        fontsize=9,
+        color=INK,
     )
     from matplotlib.lines import Line2D
 

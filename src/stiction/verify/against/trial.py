@@ -185,7 +185,8 @@ def _look(engine: Engine) -> tuple[Array, Array, Array, Array]:
 
 
 def stops(sizes: Array, dt: float) -> float:
-    """When a quantity that falls in a straight line reaches zero, s, by the step before; NaN if it does not come down."""
+    """When a quantity that falls in a straight line reaches zero, s, by the step before; NaN if it does not "
+    "come down."""
     for k in range(2, len(sizes)):
         if sizes[k] <= 1e-3 * sizes[0]:
             fell = sizes[k - 2] - sizes[k - 1]

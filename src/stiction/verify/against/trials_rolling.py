@@ -215,9 +215,7 @@ class BilliardThrow(Trial):
             cue = BenchBody(Sphere(0.1), (-0.20001, 0.0, 0.0), velocity=(2.0 * math.cos(cut), 2.0 * math.sin(cut), 0.0))
             hit = BenchBody(Sphere(0.1), (0.0, 0.0, 0.0))
             made.append(
-                BenchScene(
-                    "balls", (ground(top=-5.0), hit, cue), friction=self.MU, restitution=1.0, gravity=WEIGHTLESS
-                )
+                BenchScene("balls", (ground(top=-5.0), hit, cue), friction=self.MU, restitution=1.0, gravity=WEIGHTLESS)
             )
         return made
 
@@ -244,9 +242,7 @@ class BeltDrop(Trial):
     def scenes(self) -> list[BenchScene]:
         """The belt is a driven plate."""
         parcel = BenchBody(Box((0.4, 0.3, 0.2)), (0.0, 0.0, 0.1))
-        return [
-            BenchScene("belt", (plate(), parcel), friction=self.MU, gliding=Gliding((self.BELT, 0.0, 0.0)))
-        ]
+        return [BenchScene("belt", (plate(), parcel), friction=self.MU, gliding=Gliding((self.BELT, 0.0, 0.0)))]
 
     def read(self, tracks: Sequence[Track]) -> Reading:
         """Way of the belt less that of the parcel."""
@@ -395,9 +391,7 @@ class RollingBenchmark(Trial):
             for j in range(self.SIDE)
         ]
         pairs = (("box", "floor", 0.4), ("ball", "box", 0.8))
-        return [
-            BenchScene("balls", (floor, box, *balls), pairs=pairs, force=lambda time, positions, velocities: push)
-        ]
+        return [BenchScene("balls", (floor, box, *balls), pairs=pairs, force=lambda time, positions, velocities: push)]
 
     def read(self, tracks: Sequence[Track]) -> Reading:
         """Mean over the frames, and over the balls."""

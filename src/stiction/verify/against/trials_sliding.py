@@ -83,9 +83,7 @@ class Slides(Slope):
         a = G * (math.sin(angle) - self.DYNAMIC * math.cos(angle))
         t = (len(tracks[0].positions) - 1) * tracks[0].dt
         gravities = [on_slope(self.TAN, azimuth) for azimuth in AZIMUTHS_DEG]
-        return Reading(
-            0.5 * a * t * t, tuple(downhill(*pair) for pair in zip(tracks, gravities, strict=True))
-        )
+        return Reading(0.5 * a * t * t, tuple(downhill(*pair) for pair in zip(tracks, gravities, strict=True)))
 
 
 class HoldsBelow(Holds):
@@ -218,9 +216,7 @@ class PushHeld(Trial):
                 Box(self.SIZE), (0.0, 0.0, 0.5 * self.SIZE[2]), density=self.MASS / float(np.prod(self.SIZE))
             )
             made.append(
-                BenchScene(
-                    "push", (ground(), box), friction=self.STATIC, dynamic_friction=self.DYNAMIC, force=force
-                )
+                BenchScene("push", (ground(), box), friction=self.STATIC, dynamic_friction=self.DYNAMIC, force=force)
             )
         return made
 
@@ -297,7 +293,8 @@ class SquareSlidesAndSpins(Trial):
     title = "a square plate at 3 m/s goes the farther the faster it spins (5, 10, 20 rad/s)"
     formula = "m v' = -mu m g <u / |u|>, I w' = -mu m g <r x u / |u|>: 1.9146, 2.9072, 5.2400 m"
     source = (
-        LAWS + " under uniform pressure, integrated; Farkas, Bartels, Unger, Wolf, 'Frictional coupling between sliding "
+        LAWS
+        + " under uniform pressure, integrated; Farkas, Bartels, Unger, Wolf, 'Frictional coupling between sliding "
         "and spinning motion', Phys. Rev. Lett. 90 (2003)"
     )
     unit = "of the way"
