@@ -1,4 +1,4 @@
-"""Statics that friction decides: a wedge, two cards, three logs, an arch; each with a threshold sought from both sides."""
+"""Statics that friction decides: a wedge, two cards, three logs, an arch; each has a threshold with two sides."""
 
 from __future__ import annotations
 

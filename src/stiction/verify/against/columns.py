@@ -1,8 +1,9 @@
 """The engines of a comparison as columns: which adapter, which settings, how many steps it takes in a frame.
 
 Every engine runs as it usually does, but without damping and without sleeping. A frame is ``dt`` long, 1/60 s if
-nothing else is said; an engine whose own default step is shorter takes several in it (MuJoCo 9 of 1.85 ms, PyBullet 4 of 4.17
-ms, SAPIEN 2 of 8.3 ms), and one that splits its step by itself (stiction 8 times, Box3D and Rapier 4) takes one.
+nothing else is said; an engine whose own default step is shorter takes several in it (MuJoCo 9 of 1.85 ms, PyBullet 4
+of 4.17 ms, SAPIEN 2 of 8.3 ms), and one that splits its step by itself (stiction 8 times, Box3D and Rapier 4) takes
+one.
 """
 
 from __future__ import annotations

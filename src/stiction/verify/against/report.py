@@ -91,21 +91,19 @@ def honours(comparison: Comparison) -> Iterator[str]:
             yield f"**{trial.name}**: stiction passes with {cell(trial, own)}; better: {peers}."
 
 
-def markdown(comparison: Comparison) -> str:
-    """The report as a page of the documentation."""
-    return "\n".join(_lines(comparison)) + "\n"
+def markdown(comparison: Comparison, picture: str | None = None) -> str:
+    """The report as a page of the documentation, with a picture where there is one."""
+    return "\n".join(_lines(comparison, picture)) + "\n"
 
 
-def _lines(comparison: Comparison) -> Iterator[str]:
+def _lines(comparison: Comparison, picture: str | None) -> Iterator[str]:
     engines = comparison.engines
-    yield "# Friction in seven engines" if len(engines) == 7 else "# Friction, engine by engine"
+    yield "# Friction, engine by engine"
     yield ""
-    yield "The same scenes, the same formulas, the same tolerances: what friction does in stiction and in"
-    yield "other engines."
-    yield f"{LEGEND} **Bold** is beyond the tolerance, a dash is a scene that the engine cannot express,"
-    yield "and *never* is an event that did not come about. The page is written by `python"
-    yield "docs/make_friction_report.py`;"
-    yield "`stiction verify --against all` prints the table for the engines that are installed."
+    yield "The same scenes, the same formulas, the same tolerances: what friction does in stiction and in other engines."
+    yield f"{LEGEND} **Bold** is beyond the tolerance, a dash is a scene that the engine cannot express, *never* an event"
+    yield "that did not come about. `python docs/make_friction_report.py` writes this page; `stiction verify --against all`"
+    yield "prints the table for the engines that are installed."
     yield ""
     yield "## Result"
     yield ""
@@ -121,6 +119,9 @@ def _lines(comparison: Comparison) -> Iterator[str]:
     counts = [comparison.passed(engine) for engine in engines]
     yield f"| passed, of those asked | {' | '.join(f'{a} of {b}' for a, b in counts)} | |"
     yield ""
+    if picture is not None:
+        yield f"![Errors of each engine in each case, and what was measured against what was expected]({picture})"
+        yield ""
     yield "## Where stiction fails, or another engine is better"
     yield ""
     yield "Better is what comes nearer to the formula by a tenth of the tolerance or more."
@@ -150,8 +151,6 @@ def _lines(comparison: Comparison) -> Iterator[str]:
     yield "## Cases"
     yield ""
     for trial in comparison.trials:
-        yield f"({trial.name})="
-        yield ""
         yield f"### {trial.name}"
         yield ""
         yield f"{trial.title[0].upper()}{trial.title[1:]}."

@@ -73,6 +73,9 @@ class SlideToRollTime(SlideToRoll):
             sizes = np.linalg.norm(slip, axis=1) / self.SPEED
             chosen = (sizes < 0.9) & (sizes > 0.05)
             times = np.arange(len(sizes)) * track.dt
+            if chosen.sum() < 2:
+                found.append(math.nan)
+                continue
             slope, start = np.polyfit(times[chosen], sizes[chosen], 1)
             found.append(float(-start / slope))
         return Reading(2.0 * self.SPEED / (7.0 * self.MU * G), tuple(found))
