@@ -33,7 +33,7 @@ def main() -> None:
     text = _replace(text, "counts", _counts(runs))
     text = _replace(text, "overview", _overview(runs))
     text = _replace(text, "failures", _failures(runs))
-    text = _replace(text, "limits", _limits(runs["micro", COARSE], runs["micro", FINE]))
+    text = _replace(text, "limits", _limits(runs))
     text = _replace(text, "cases", _cases(runs))
     PAGE.write_text(text, encoding="utf-8")
 
@@ -93,19 +93,20 @@ def _failures(runs: Runs) -> Iterable[str]:
         yield f"| `{row.solver}` | 1/{1.0 / dt:.0f} s | {link} | {_cell(row.what)} | {numbers} |"
 
 
-def _limits(coarse: list[verify.Result], fine: list[verify.Result]) -> Iterable[str]:
+def _limits(runs: Runs) -> Iterable[str]:
     """One line a known limit, its size at both time steps; then the reasons."""
-    yield "| case | what | expected | tolerance | at 1/60 s | at 1/240 s |"
-    yield "| --- | --- | --- | --- | --- | --- |"
-    limits = [row for row in coarse if row.known_limit]
-    for row, other in zip(limits, (row for row in fine if row.known_limit), strict=True):
-        what = _cell(row.what.partition(" (")[0])  # a case may name its worst run in brackets, which depends on dt
-        sizes = f"{_size(row)} | {_size(other)}"
-        yield f"| [{row.case}](#{row.case}) | {what} | {row.expected:.4g} {row.unit} | {row.tolerance:.1e} | {sizes} |"
+    yield "| solver | case | what | expected | tolerance | at 1/60 s | at 1/240 s |"
+    yield "| --- | --- | --- | --- | --- | --- | --- |"
+    for solver in SOLVERS:
+        coarse, fine = ([row for row in runs[solver, dt] if row.known_limit] for dt in (COARSE, FINE))
+        for row, other in zip(coarse, fine, strict=True):
+            what = _cell(row.what.partition(" (")[0])  # a case may name its worst run in brackets, which depends on dt
+            numbers = f"{row.expected:.4g} {row.unit} | {row.tolerance:.1e} | {_size(row)} | {_size(other)}"
+            yield f"| `{solver}` | [{row.case}](#{row.case}) | {what} | {numbers} |"
     yield ""
     for case in verify.all_cases():
-        for reason in case.known_limit.values():
-            yield f"- **{case.name}**: {reason}."
+        for solver, reason in case.known_limit.items():
+            yield f"- **{case.name}** (`{solver}`): {reason}."
 
 
 def _size(row: verify.Result) -> str:

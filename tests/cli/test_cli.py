@@ -151,6 +151,35 @@ def test_materials_names_the_source(monkeypatch: pytest.MonkeyPatch, capsys: pyt
     assert len(json.loads(capsys.readouterr().out)) == 10  # the nine rows of the slides, and the default
 
 
+def test_verify_asks_other_engines(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    page, words = tmp_path / "a.html", tmp_path / "a.md"
+    given = ("verify", "slide-to-roll", "--against", "none", "--html", str(page), "--markdown", str(words))
+    assert call(monkeypatch, *given) == 0
+    assert "1 of 1" in capsys.readouterr().out
+    assert "slide-to-roll" in page.read_text(encoding="utf-8")
+    assert "slide-to-roll" in words.read_text(encoding="utf-8")
+    assert call(monkeypatch, "verify", "--against", "none", "--list") == 0
+    assert "balls-on-a-box" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (("--plot", "a.png"), "go with --against"),
+        (("--against", "mujoko"), "did you mean 'mujoco'"),
+        (("slide-to-rol", "--against", "none"), "did you mean 'slide-to-roll'"),
+        (("--against", "none", "--html", "/no/such/folder/a.html"), "--html"),
+    ],
+)
+def test_verify_against_says_what_is_wrong(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], given: tuple[str, ...], message: str
+) -> None:
+    assert call(monkeypatch, "verify", *given) == 2
+    assert message in capsys.readouterr().err
+
+
 def test_verify_prints_what_it_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     assert call(monkeypatch, "verify", "free-fall", "spin-down-of-a-face", "--solver", "micro", "--json") == 0
     rows = json.loads(capsys.readouterr().out)

@@ -52,10 +52,10 @@ def at_birth(**factors: float) -> Change:
 
 
 def inertia(factor: float) -> Change:
-    """Every ball and box resists turning more."""
+    """Every ball, box, capsule and cylinder resists turning more."""
 
     def apply(patch: pytest.MonkeyPatch) -> None:
-        for shape in (st.Box, st.Sphere):
+        for shape in (st.Box, st.Sphere, st.Capsule, st.Cylinder):
             original = vars(shape)["mass_properties"].func
 
             def other(self: st.Shape, original: Any = original) -> MassProperties:
@@ -110,18 +110,19 @@ CHANGES: dict[str, tuple[Change, str]] = {
         "stopping-distance thin-sheet spin-down-on-corners threshold-angle incline-sliding incline-sideways "
         "two-coefficients tip-or-slide ladder push-and-release pulled-block belt-drop belt-crossing crate-on-lorry "
         "accelerating-plate slide-to-roll backspin rolling-down oblique-impact billiard-throw "
-        "slide-and-spin-of-a-face spin-down-of-a-face",
+        "slide-and-spin-of-a-face spin-down-of-a-face brake-distances wedge sliding-rod",
     ),
     "mu 1 % less": (
         coefficients(static=0.99, dynamic=0.99),
         "stopping-distance threshold-angle two-coefficients tip-or-slide ladder push-and-release crate-on-lorry "
-        "break-away creep-below-threshold",
+        "break-away creep-below-threshold break-away-with-torque wedge two-cards",
     ),
     "mu_d 1 % less": (
         coefficients(dynamic=0.99),
         "stopping-distance spin-down-on-corners incline-sliding two-coefficients push-and-release pulled-block "
         "belt-drop crate-on-lorry",
     ),
+    "mu 5 % less": (coefficients(static=0.95, dynamic=0.95), "three-logs shaken-plate balls-on-a-box"),
     "mu_s 5 % more": (
         coefficients(static=1.05),
         "threshold-angle two-coefficients break-away stick-slip ladder pulled-block crate-on-lorry crate-on-turntable",
@@ -141,8 +142,10 @@ CHANGES: dict[str, tuple[Change, str]] = {
     "mass 1 % more": (at_birth(mass=1.01), "constant-force push-to-tip push-and-release belt-drop"),
     "inertia 1 % more": (
         inertia(1.01),
-        "constant-force rod-impact oblique-impact slide-to-roll rolling-down spin-down-on-corners accelerating-plate",
+        "constant-force rod-impact oblique-impact slide-to-roll rolling-down spin-down-on-corners accelerating-plate "
+        "follow-and-draw",
     ),
+    "inertia 10 % more": (inertia(1.1), "disc-ends-together sliding-rod"),
     "velocities damped by 1e-4 a step": (
         damping(0.9999, 1.0),
         "free-fall momentum two-bodies newtons-cradle slow-roll",
@@ -154,7 +157,9 @@ CHANGES: dict[str, tuple[Change, str]] = {
     "energy of an impact grows by 1e-6": (damping(1.0 + 1e-6, 1.0 + 1e-6), "impact-energy"),
     "gravity 10 % more": (gravity(1.1), "sink-of-soft-contacts"),
     "everything keeps 2 mm/s": (drifting(2e-3), "tower-of-ten heavy-on-light crooked-tower pyramid heavy-on-top"),
-    "forces 1 % more": (forces(1.01), "constant-force push-to-tip push-and-release pulled-block"),
+    "everything keeps 10 cm/s": (drifting(0.1), "arch"),
+    "velocities damped by 1e-2 a step": (damping(0.99, 0.99), "domino-wave"),
+    "forces 1 % more": (forces(1.01), "constant-force push-to-tip push-and-release pulled-block balls-on-a-box"),
 }
 
 

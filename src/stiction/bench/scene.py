@@ -1,13 +1,15 @@
 """A benchmark scene: bodies, gravity and what must become of them, in words that every engine understands.
 
-All bodies of a scene share one coefficient of friction, static and dynamic alike, so that the rules by which engines
-combine the coefficients of two bodies (mean, product, maximum) cannot make a difference.
+Bodies of a benchmark share one coefficient of friction, static and dynamic alike, so that the rules by which engines
+combine the coefficients of two bodies (mean, product, maximum) cannot make a difference. Comparisons of friction ask
+for more: two coefficients, pairs of surfaces, rolling resistance, forces, belts. What an engine cannot express it says
+(:meth:`stiction.bench.engines.Engine.supports`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -35,7 +37,8 @@ class BenchBody:
         position: m. orientation: (w, x, y, z).
         velocity: m/s. angular_velocity: rad/s, in world axes.
         density: kg/m^3, or None for a body that is static.
-        kinematic: it is driven as :attr:`BenchScene.turning` says, whatever it meets.
+        kinematic: it is driven as :attr:`BenchScene.turning` or :attr:`BenchScene.gliding` says, whatever it meets.
+        surface: what :attr:`BenchScene.pairs` calls it.
     """
 
     shape: Shape
@@ -45,6 +48,7 @@ class BenchBody:
     angular_velocity: Vector = (0.0, 0.0, 0.0)
     density: float | None = DENSITY
     kinematic: bool = False
+    surface: str = "default"
 
     @property
     def dynamic(self) -> bool:
@@ -63,6 +67,24 @@ class Turning:
 
 
 @dataclass(frozen=True)
+class Gliding:
+    """How kinematic bodies move: all alike, without turning, from ``velocity`` m/s with ``acceleration`` m/s^2."""
+
+    velocity: Vector
+    acceleration: Vector = (0.0, 0.0, 0.0)
+
+    def moved(self, time: float) -> Array:
+        """How far they are from where they began, (3,) m."""
+        return np.array(self.velocity) * time + 0.5 * np.array(self.acceleration) * time * time
+
+
+Force = Callable[[float, Array, Array], Array]
+"""(bodies, 3) N at the centres of mass, held through a step, from the time in s at its start, positions (bodies, 3) m
+half a step later as far as velocities tell (a force held from its start would feed a spring with energy), and
+velocities (bodies, 3) m/s at its start."""
+
+
+@dataclass(frozen=True)
 class BenchScene:
     """What every engine builds.
 
@@ -72,7 +94,12 @@ class BenchScene:
         friction: coefficient of every pair of bodies, static and dynamic.
         restitution: of every pair.
         gravity: m/s^2.
-        turning: of the kinematic bodies, if there are any.
+        turning: of the kinematic bodies, if there are any and they turn.
+        gliding: of the kinematic bodies, if there are any and they do not turn.
+        dynamic_friction: coefficient of what slides, where it is not ``friction``.
+        rolling: rolling resistance of every pair, as a length in m.
+        pairs: coefficients of pairs of surfaces for which ``friction`` does not hold: (surface, surface, coefficient).
+        force: pushes and springs.
         rest: (n, 3) m, where the bodies stand if they stay where they belong; None where they are meant to move.
         tolerance: m, how far a body may be from its place in ``rest`` and still count as standing.
         floor: height in m of the ground's surface.
@@ -84,6 +111,11 @@ class BenchScene:
     restitution: float = 0.0
     gravity: Vector = GRAVITY
     turning: Turning | None = None
+    gliding: Gliding | None = None
+    dynamic_friction: float | None = None
+    rolling: float = 0.0
+    pairs: tuple[tuple[str, str, float], ...] = ()
+    force: Force | None = field(default=None, compare=False)
     rest: Array | None = field(default=None, compare=False)
     tolerance: float = 0.25
     floor: float = 0.0
@@ -115,6 +147,10 @@ class BenchScene:
 
     def driven_at(self, time: float) -> list[tuple[int, Array, Array]]:
         """Number, position (m) and orientation of each kinematic body at ``time`` s."""
+        if self.gliding is not None:
+            moved = self.gliding.moved(time)
+            driven = [(i, body) for i, body in enumerate(self.bodies) if body.kinematic]
+            return [(i, np.array(body.position) + moved, np.array(body.orientation)) for i, body in driven]
         turning = self.turning
         if turning is None:
             return []

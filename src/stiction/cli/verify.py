@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from stiction.cli.console import out, print_json, say, table
+from stiction.errors import InvalidInputError
 
 NUMBERS = ("expected", "measured", "error", "tolerance")
 
@@ -17,8 +19,23 @@ def verify(
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 1.0 / 60.0,
     json: Annotated[bool, typer.Option("--json", help="Print every measurement as JSON.")] = False,
     list_: Annotated[bool, typer.Option("--list", help="List the cases with formula and source.")] = False,
+    against: Annotated[
+        str | None,
+        typer.Option(help="Ask other engines too: names with commas between them, all, or none (stiction alone)."),
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="With --against: draw the comparison (PNG, SVG or PDF).")] = None,
+    html: Annotated[Path | None, typer.Option(help="With --against: write it as one HTML page.")] = None,
+    markdown: Annotated[Path | None, typer.Option(help="With --against: write it as a Markdown page.")] = None,
 ) -> None:
     """Measure closed-form cases and compare; exit status 1 if one fails that this solver should pass."""
+    if against is not None:
+        from stiction.cli.against import Outputs
+        from stiction.cli.against import against as ask_all
+
+        ask_all(against, cases or [], solver, dt, json=json, list_=list_, outputs=Outputs(plot, html, markdown))
+        return
+    if plot or html or markdown:
+        raise InvalidInputError("--plot, --html and --markdown go with --against.")
     from stiction.verify import all_cases, run, summarise
     from stiction.world import World
 

@@ -11,6 +11,8 @@ from stiction import checks
 from stiction.errors import InvalidInputError, IterationLimitWarning, SimulationError
 from stiction.verify import (
     cases_driven,
+    cases_dynamics,
+    cases_faces,
     cases_impact,
     cases_limits,
     cases_motion,
@@ -18,6 +20,7 @@ from stiction.verify import (
     cases_sliding,
     cases_slopes,
     cases_stacks,
+    cases_wedges,
 )
 from stiction.verify.case import Case, Measurement, Result
 from stiction.world import World
@@ -80,6 +83,19 @@ CASES: tuple[type[Case], ...] = (
     cases_stacks.CrookedTower,
     cases_stacks.Pyramid,
     cases_stacks.HeavyOnTop,
+    cases_faces.BrakeDistances,
+    cases_faces.DiscEndsTogether,
+    cases_faces.BreakAwayWithTorque,
+    cases_wedges.Wedge,
+    cases_wedges.TwoCards,
+    cases_wedges.ThreeLogs,
+    cases_wedges.Arch,
+    cases_dynamics.SlidingRod,
+    cases_dynamics.FollowAndDraw,
+    cases_dynamics.ShakenPlate,
+    cases_dynamics.BallsOnABox,
+    cases_dynamics.DominoWave,
+    cases_dynamics.KaplaTower,
 )
 
 

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction.bench.coefficients import Rule, of_bodies
 from stiction.bench.scene import BenchBody, BenchScene, Vector
 
 Array = NDArray[np.float64]
@@ -24,6 +25,11 @@ class Engine(ABC):
         module: to import; distribution: to install.
         kinds: of shapes that it can express.
         drives: whether it moves kinematic bodies that drag others along.
+        two_coefficients: whether static and dynamic friction may differ.
+        rolls: whether it has rolling resistance.
+        bounces: whether it has a coefficient of restitution.
+        combines: how it makes the coefficient of a pair from those of two bodies (:data:`coefficients.RULES`).
+        usual_dt: s, the largest step at which it is usually run: its own default.
         notes: settings that are not its defaults, and what could not be set.
     """
 
@@ -32,6 +38,11 @@ class Engine(ABC):
     distribution: ClassVar[str]
     kinds: ClassVar[frozenset[str]] = frozenset({"sphere", "box", "capsule", "cylinder", "hull"})
     drives: ClassVar[bool] = True
+    two_coefficients: ClassVar[bool] = False
+    rolls: ClassVar[bool] = False
+    bounces: ClassVar[bool] = True
+    combines: ClassVar[Rule] = "mean"
+    usual_dt: ClassVar[float] = 1.0 / 60.0
     notes: ClassVar[str] = ""
 
     def __init__(self, solver: str | None = None) -> None:
@@ -55,13 +66,23 @@ class Engine(ABC):
         """The engine's module; imported here and not at the top, for most programs use none of them."""
         return importlib.import_module(module or cls.module)
 
+    def coefficients(self, scene: BenchScene) -> list[float]:
+        """A coefficient of friction for each body that makes this engine use those of the scene for pairs."""
+        return of_bodies(scene, self.combines)
+
     def supports(self, scene: BenchScene) -> str | None:
         """Why it cannot run this scene, or None if it can."""
         missing = [kind for kind in scene.kinds if kind not in self.kinds]
         if missing:
             return f"{self.name} has no {' and no '.join(missing)}"
-        if scene.turning is not None and not self.drives:
+        if (scene.turning or scene.gliding) is not None and not self.drives:
             return f"{self.name} has no kinematic bodies that drag others along"
+        if scene.restitution != 0.0 and not self.bounces:
+            return f"{self.name} has no coefficient of restitution"
+        if scene.rolling != 0.0 and not self.rolls:
+            return f"{self.name} has no rolling resistance"
+        if scene.dynamic_friction not in (None, scene.friction) and not self.two_coefficients:
+            return f"{self.name} has one coefficient only"
         return None
 
     def build(self, scene: BenchScene, dt: float) -> None:
@@ -70,16 +91,25 @@ class Engine(ABC):
         self._build(scene, dt)
 
     def before_step(self) -> None:
-        """Drive the kinematic bodies of a turning scene towards where they must be after the next step."""
+        """Push what the scene pushes, and drive its kinematic bodies towards where they must be after the next step."""
+        self._push_all()
         targets = self.scene.driven_at((self.steps + 1) * self.dt)
         if not targets:
             return
         turning = self.scene.turning
-        assert turning is not None
-        spin = turning.rate * np.array(turning.axis)
+        spin = np.zeros(3) if turning is None else turning.rate * np.array(turning.axis)
         now = self.positions()
         for index, position, orientation in targets:
             self._drive(index, position, orientation, (position - now[index]) / self.dt, spin)
+
+    def _push_all(self) -> None:
+        if self.scene.force is None:
+            return
+        velocities = self.velocities()
+        middle = self.positions() + 0.5 * self.dt * velocities
+        forces = self.scene.force(self.steps * self.dt, middle, velocities)
+        for index in np.flatnonzero(self.scene.dynamic):
+            self._push(int(index), forces[index])
 
     def step(self) -> None:
         """Take one step: what is timed."""
@@ -96,6 +126,10 @@ class Engine(ABC):
         """Move a kinematic body to a pose with the next step, or give it the velocities (m/s, rad/s) that do so."""
         raise NotImplementedError(f"{self.name} drives no bodies")
 
+    def _push(self, index: int, force: Array) -> None:
+        """Let a force (3,) N act on a dynamic body at its centre of mass through the next step, and no longer."""
+        raise NotImplementedError(f"{self.name} pushes no bodies")
+
     @abstractmethod
     def positions(self) -> Array:
         """(bodies, 3) m, in the order of the scene."""
@@ -107,6 +141,10 @@ class Engine(ABC):
     @abstractmethod
     def velocities(self) -> Array:
         """(bodies, 3) m/s."""
+
+    @abstractmethod
+    def angular_velocities(self) -> Array:
+        """(bodies, 3) rad/s, in world axes."""
 
     def profile(self, steps: int) -> dict[str, float] | None:
         """Milliseconds a step for each stage of a step, measured over ``steps`` more of them; None if unknown."""

@@ -1,7 +1,7 @@
 """MuJoCo, from a model in its own language (MJCF).
 
 MuJoCo's kinematic (mocap) bodies have no velocity and drag nothing along. So what turns about an axis is one body on a
-hinge of very large inertia, with its angle and speed set before each step.
+hinge of very large inertia, with its angle and speed set before each step; what glides is one on three slides.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from stiction.bench.scene import BenchBody, BenchScene
 from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere
 
 HINGE_INERTIA = 1e9
-"""kg m^2, of what turns: no load changes its speed within a step."""
+"""kg m^2 of what turns, kg of what glides: no load changes its speed within a step."""
 
 
 class Adapter(Engine):
@@ -25,20 +25,26 @@ class Adapter(Engine):
     name = "mujoco"
     module = "mujoco"
     distribution = "mujoco"
+    rolls = True
+    bounces = False
+    combines = "maximum"
+    usual_dt = 0.002
+    cone = "elliptic"
     notes = 'cone="elliptic" instead of the default pyramid, contact softness at its defaults'
-
-    def supports(self, scene: BenchScene) -> str | None:
-        if scene.restitution != 0.0:
-            return "mujoco has no coefficient of restitution"
-        return super().supports(scene)
 
     def _build(self, scene: BenchScene, dt: float) -> None:
         mujoco = self.load()
         self.mujoco = mujoco
-        self.model = mujoco.MjModel.from_xml_string(model(scene, dt))
+        self.model = mujoco.MjModel.from_xml_string(model(scene, dt, self.cone, self.coefficients(scene)))
         self.data = mujoco.MjData(self.model)
         self.moving = np.flatnonzero(scene.dynamic)
-        self.hinges = 0 if scene.turning is None else 1  # its angle and speed come before those of the free bodies
+        order = [i for i, body in enumerate(scene.bodies) if not body.kinematic]
+        first = (
+            1 if self.scene.turning is None and self.scene.gliding is None else 2
+        )  # 0 is the world, 1 what is driven
+        self.numbers = {index: first + k for k, index in enumerate(order)}
+        # what is driven comes before the free bodies: the angle of a hinge, or three ways
+        self.hinges = 3 if scene.gliding is not None else 1 if scene.turning is not None else 0
         for k, index in enumerate(self.moving):
             body = scene.bodies[index]
             spin = rotations.matrix(body.orientation).T @ np.array(body.angular_velocity)  # in the body's frame here
@@ -46,9 +52,16 @@ class Adapter(Engine):
             self.data.qvel[start : start + 6] = (*body.velocity, *spin)
 
     def before_step(self) -> None:
-        turning = self.scene.turning
-        if turning is not None:
-            self.data.qpos[0], self.data.qvel[0] = turning.rate * self.steps * self.dt, turning.rate
+        self._push_all()
+        turning, gliding, time = self.scene.turning, self.scene.gliding, self.steps * self.dt
+        if gliding is not None:
+            here, there = gliding.moved(time), gliding.moved(time + self.dt)
+            self.data.qpos[:3], self.data.qvel[:3] = here, (there - here) / self.dt
+        elif turning is not None:
+            self.data.qpos[0], self.data.qvel[0] = turning.rate * time, turning.rate
+
+    def _push(self, index: int, force: Array) -> None:
+        self.data.xfrc_applied[self.numbers[index], :3] = force
 
     def _step(self) -> None:
         self.mujoco.mj_step(self.model, self.data)
@@ -78,12 +91,26 @@ class Adapter(Engine):
         rows[self.moving] = np.array(self.data.qvel[self.hinges :]).reshape(-1, 6)[:, :3]
         return rows
 
+    def angular_velocities(self) -> Array:
+        rows = np.zeros((len(self.scene.bodies), 3))
+        own = np.array(self.data.qvel[self.hinges :]).reshape(-1, 6)[:, 3:]  # in the body's frame
+        rows[self.moving] = np.einsum("nij,nj->ni", rotations.matrix(self._poses()[:, 3:]), own)
+        return rows
 
-def model(scene: BenchScene, dt: float) -> str:
-    """The scene in MJCF."""
+
+class Pyramidal(Adapter):
+    """MuJoCo as it comes."""
+
+    cone = "pyramidal"
+    notes = "contact softness at its defaults"
+
+
+def model(scene: BenchScene, dt: float, cone: str, coefficients: list[float]) -> str:
+    """The scene in MJCF, with a coefficient of friction for each body."""
     meshes: dict[int, str] = {}
-    assets, bodies = [], [_turning(scene)]
-    for body in scene.bodies:
+    surfaces = [_surface(body, mu, scene.rolling) for body, mu in zip(scene.bodies, coefficients, strict=True)]
+    assets, bodies = [], [_driven(scene, surfaces)]
+    for body, surface in zip(scene.bodies, surfaces, strict=True):
         if body.kinematic:
             continue
         shape = body.shape
@@ -91,11 +118,11 @@ def model(scene: BenchScene, dt: float) -> str:
             meshes[id(shape)] = f"hull{len(meshes)}"
             points = _text(shape.points.ravel())
             assets.append(f'<mesh name="{meshes[id(shape)]}" inertia="convex" vertex="{points}"/>')
-        bodies.append(_body(body, meshes.get(id(shape), ""), scene.friction))
+        bodies.append(_body(body, meshes.get(id(shape), ""), surface))
     memory = max(64, len(scene.bodies) // 4)  # MiB; reserved, not touched
     return f"""<mujoco>
 <compiler angle="radian"/>
-<option timestep="{dt!r}" gravity="{_text(scene.gravity)}" cone="elliptic"/>
+<option timestep="{dt!r}" gravity="{_text(scene.gravity)}" cone="{cone}"/>
 <size memory="{memory}M"/>
 <asset>{"".join(assets)}</asset>
 <worldbody>
@@ -104,29 +131,36 @@ def model(scene: BenchScene, dt: float) -> str:
 </mujoco>"""
 
 
-def _body(body: BenchBody, mesh: str, friction: float) -> str:
-    geometry = f"<geom {_geometry(body.shape, mesh)} {_surface(body, friction)}/>"
+def _body(body: BenchBody, mesh: str, surface: str) -> str:
+    geometry = f"<geom {_geometry(body.shape, mesh)} {surface}/>"
     pose = f'pos="{_text(body.position)}" quat="{_text(body.orientation)}"'
     return f"<body {pose}>{'<freejoint/>' if body.dynamic else ''}{geometry}</body>"
 
 
-def _turning(scene: BenchScene) -> str:
-    """One body on a hinge, with all kinematic bodies as its parts."""
-    turning = scene.turning
-    if turning is None:
-        return ""
+def _driven(scene: BenchScene, surfaces: list[str]) -> str:
+    """One body on a hinge, or on three slides, with all kinematic bodies as its parts."""
+    turning, gliding = scene.turning, scene.gliding
+    center = np.zeros(3) if turning is None else np.array(turning.center)
     parts = []
-    for body in scene.bodies:
+    for body, surface in zip(scene.bodies, surfaces, strict=True):
         if body.kinematic:
-            pose = f'pos="{_text(np.array(body.position) - np.array(turning.center))}" quat="{_text(body.orientation)}"'
-            parts.append(f"<geom {pose} {_geometry(body.shape, '')} {_surface(body, scene.friction)}/>")
-    hinge = f'<joint type="hinge" axis="{_text(turning.axis)}" armature="{HINGE_INERTIA!r}"/>'
-    return f'<body pos="{_text(turning.center)}">{hinge}{"".join(parts)}</body>'
+            pose = f'pos="{_text(np.array(body.position) - center)}" quat="{_text(body.orientation)}"'
+            parts.append(f"<geom {pose} {_geometry(body.shape, '')} {surface}/>")
+    joints = ""
+    if gliding is not None:
+        joints = "".join(
+            f'<joint type="slide" axis="{axis}" armature="{HINGE_INERTIA!r}"/>' for axis in ("1 0 0", "0 1 0", "0 0 1")
+        )
+    elif turning is not None:
+        joints = f'<joint type="hinge" axis="{_text(turning.axis)}" armature="{HINGE_INERTIA!r}"/>'
+    return f'<body pos="{_text(center)}">{joints}{"".join(parts)}</body>' if joints else ""
 
 
-def _surface(body: BenchBody, friction: float) -> str:
+def _surface(body: BenchBody, friction: float, rolling: float) -> str:
     meets = int(body.dynamic)  # what is not dynamic meets only what is
-    return f'friction="{friction!r} 0.005 0.0001" density="{density(body)!r}" conaffinity="{meets}"'
+    size = "6" if rolling else "3"  # dimensions of the cone: with rolling, and with spinning, which goes along with it
+    surface = f'friction="{friction!r} {0.0 if rolling else 0.005!r} {rolling or 0.0001!r}" condim="{size}"'
+    return f'{surface} density="{density(body)!r}" conaffinity="{meets}"'
 
 
 def _geometry(shape: Shape, mesh: str) -> str:

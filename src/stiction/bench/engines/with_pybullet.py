@@ -19,6 +19,9 @@ class Adapter(Engine):
     module = "pybullet"
     distribution = "pybullet"
     drives = False
+    rolls = True
+    combines = "product"
+    usual_dt = 1.0 / 240.0
     notes = "damping 0, sleeping off, 50 iterations; hulls get the diagonal of their inertia tensor only"
 
     def _build(self, scene: BenchScene, dt: float) -> None:
@@ -29,14 +32,16 @@ class Adapter(Engine):
         client.setPhysicsEngineParameter(fixedTimeStep=dt)
         shapes: dict[int, int] = {}
         self.bodies = []
-        for body in scene.bodies:
+        for body, friction in zip(scene.bodies, self.coefficients(scene), strict=True):
             shape = body.shape
             if id(shape) not in shapes:
                 shapes[id(shape)] = self._shape(p, shape)
             properties = shape.mass_properties
             mass = density(body) * properties.volume if body.dynamic else 0.0
             made = client.createMultiBody(mass, shapes[id(shape)], -1, floats(body.position), xyzw(body.orientation))
-            surface = {"lateralFriction": math.sqrt(scene.friction), "restitution": math.sqrt(scene.restitution)}
+            surface = {"lateralFriction": friction, "restitution": math.sqrt(scene.restitution)}
+            if scene.rolling:  # of a pair: r_a mu_b + r_b mu_a
+                surface["rollingFriction"] = 0.5 * scene.rolling / friction
             still = {"linearDamping": 0.0, "angularDamping": 0.0}
             client.changeDynamics(made, -1, **surface, **still, activationState=p.ACTIVATION_STATE_DISABLE_SLEEPING)
             if body.dynamic:
@@ -66,6 +71,11 @@ class Adapter(Engine):
     def _step(self) -> None:
         self.client.stepSimulation()
 
+    def _push(self, index: int, force: Array) -> None:
+        body = self.bodies[index]
+        center = self.client.getBasePositionAndOrientation(body)[0]
+        self.client.applyExternalForce(body, -1, floats(force), center, self.load().WORLD_FRAME)
+
     def positions(self) -> Array:
         return np.array([self.client.getBasePositionAndOrientation(body)[0] for body in self.bodies])
 
@@ -74,3 +84,6 @@ class Adapter(Engine):
 
     def velocities(self) -> Array:
         return np.array([self.client.getBaseVelocity(body)[0] for body in self.bodies])
+
+    def angular_velocities(self) -> Array:
+        return np.array([self.client.getBaseVelocity(body)[1] for body in self.bodies])

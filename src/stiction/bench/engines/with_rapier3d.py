@@ -27,7 +27,7 @@ class Adapter(Engine):
         world.integration_parameters.dt = dt
         world.set_num_threads(1)
         self.handles = []
-        for body in scene.bodies:
+        for body, friction in zip(scene.bodies, self.coefficients(scene), strict=True):
             if body.kinematic:
                 builder = rapier.RigidBody.kinematic_velocity_based()
             elif body.density is None:
@@ -39,7 +39,7 @@ class Adapter(Engine):
             builder = builder.linvel(floats(body.velocity)).angvel(floats(body.angular_velocity))
             builder = builder.linear_damping(0.0).angular_damping(0.0).can_sleep(False)
             collider = self._collider(rapier, body.shape).density(density(body))
-            collider = collider.friction(scene.friction).restitution(scene.restitution)
+            collider = collider.friction(friction).restitution(scene.restitution)
             self.handles.append(world.add_body(builder, [collider]))
         self.world = world
 
@@ -65,6 +65,11 @@ class Adapter(Engine):
         body = self.world.rigid_bodies[self.handles[index]]
         body.linvel, body.angvel = floats(velocity), floats(spin)
 
+    def _push(self, index: int, force: Array) -> None:
+        body = self.world.rigid_bodies[self.handles[index]]
+        body.reset_forces()  # they last until they are taken back
+        body.add_force(floats(force))
+
     def _bodies(self) -> list[Any]:
         bodies = self.world.rigid_bodies
         return [bodies[handle] for handle in self.handles]
@@ -79,4 +84,8 @@ class Adapter(Engine):
 
     def velocities(self) -> Array:
         rows = [(v.x, v.y, v.z) for v in (body.linvel for body in self._bodies())]
+        return np.array(rows, dtype=np.float64)
+
+    def angular_velocities(self) -> Array:
+        rows = [(w.x, w.y, w.z) for w in (body.angvel for body in self._bodies())]
         return np.array(rows, dtype=np.float64)

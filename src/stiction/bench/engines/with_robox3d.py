@@ -21,27 +21,33 @@ class Adapter(Engine):
     name = "robox3d"
     module = "robox3d"
     distribution = "robox3d"
+    combines = "geometric mean"
+    rolls = True
     notes = "4 substeps, 1 worker, sleeping off; a cylinder is a prism with 16 sides"
 
     def _build(self, scene: BenchScene, dt: float) -> None:
         robox3d = self.load()
         self.world = robox3d.World(gravity=scene.gravity, substeps=4, worker_count=1, enable_sleep=False)
         self.bodies = []
-        for body in scene.bodies:
+        for body, friction in zip(scene.bodies, self.coefficients(scene), strict=True):
             kind = "kinematic" if body.kinematic else "static" if body.density is None else "dynamic"
             made = self.world.create_body(body.position, xyzw(body.orientation), kind)
-            self._add_shape(made, body.shape, density(body), scene)
+            self._add_shape(made, body.shape, density(body), friction, scene)
             if kind != "static":
                 made.linear_velocity, made.angular_velocity = body.velocity, body.angular_velocity
             self.bodies.append(made)
         self.group = self.load("robox3d.core.batch").BodyGroup(self.bodies)
 
-    @staticmethod
-    def _add_shape(body: Any, shape: Shape, density: float, scene: BenchScene) -> None:
-        surface = {"density": density, "friction": scene.friction, "restitution": scene.restitution}
+    def _add_shape(self, body: Any, shape: Shape, density: float, friction: float, scene: BenchScene) -> None:
+        surface = {"density": density, "friction": friction, "restitution": scene.restitution}
         match shape:
             case Sphere():
-                body.add_sphere(shape.radius, **surface)
+                made = body.add_sphere(shape.radius, **surface)
+                if scene.rolling:  # a share of the radius here; only the C interface has it
+                    lib = self.load("robox3d._ffi").lib
+                    material = lib.b3Shape_GetSurfaceMaterial(made)
+                    material.rollingResistance = scene.rolling / shape.radius
+                    lib.b3Shape_SetSurfaceMaterial(made, material)
             case Box():
                 body.add_box([0.5 * s for s in shape.size], **surface)
             case Capsule():
@@ -59,6 +65,9 @@ class Adapter(Engine):
         self.bodies[index].linear_velocity = floats(velocity)
         self.bodies[index].angular_velocity = floats(spin)
 
+    def _push(self, index: int, force: Array) -> None:
+        self.bodies[index].apply_force(floats(force))
+
     def positions(self) -> Array:
         return np.array(self.group.poses()[:, :3], dtype=np.float64)
 
@@ -67,6 +76,9 @@ class Adapter(Engine):
 
     def velocities(self) -> Array:
         return np.array(self.group.velocities()[:, :3], dtype=np.float64)
+
+    def angular_velocities(self) -> Array:
+        return np.array(self.group.velocities()[:, 3:], dtype=np.float64)
 
 
 def prism(shape: Cylinder) -> Array:

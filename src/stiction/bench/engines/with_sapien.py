@@ -22,6 +22,8 @@ class Adapter(Engine):
     name = "sapien"
     module = "sapien"
     distribution = "sapien"
+    two_coefficients = True
+    usual_dt = 0.01
     notes = "TGS with 10 + 1 iterations, sleep threshold 0, damping 0"
 
     def _build(self, scene: BenchScene, dt: float) -> None:
@@ -36,9 +38,10 @@ class Adapter(Engine):
         self.system = physx.PhysxCpuSystem()
         self.system.timestep = dt
         self.world = sapien.Scene([self.system])
-        material = physx.PhysxMaterial(scene.friction, scene.friction, scene.restitution)
+        ratio = 1.0 if scene.dynamic_friction is None else scene.dynamic_friction / scene.friction
         self.components = []
-        for body in scene.bodies:
+        for body, friction in zip(scene.bodies, self.coefficients(scene), strict=True):
+            material = physx.PhysxMaterial(friction, ratio * friction, scene.restitution)
             fixed = body.density is None and not body.kinematic
             component = physx.PhysxRigidStaticComponent() if fixed else physx.PhysxRigidDynamicComponent()
             shape = self._shape(physx, body.shape, material)
@@ -82,6 +85,9 @@ class Adapter(Engine):
     def _drive(self, index: int, position: Array, orientation: Array, velocity: Array, spin: Array) -> None:
         self.components[index].kinematic_target = self.sapien.Pose(floats(position), floats(orientation))
 
+    def _push(self, index: int, force: Array) -> None:
+        self.components[index].add_force_torque(np.array(force, np.float32), np.zeros(3, np.float32))
+
     def positions(self) -> Array:
         return np.array([entity.pose.p for entity in self.entities], dtype=np.float64)
 
@@ -92,4 +98,10 @@ class Adapter(Engine):
         zero = np.zeros(3)
         dynamic = self.scene.dynamic
         rows = [c.linear_velocity if dynamic[i] else zero for i, c in enumerate(self.components)]
+        return np.array(rows, dtype=np.float64)
+
+    def angular_velocities(self) -> Array:
+        zero = np.zeros(3)
+        dynamic = self.scene.dynamic
+        rows = [c.angular_velocity if dynamic[i] else zero for i, c in enumerate(self.components)]
         return np.array(rows, dtype=np.float64)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ class Adapter(Engine):
     name = "stiction"
     module = "stiction"
     distribution = "stiction"
+    two_coefficients = True
+    rolls = True
     notes = "solver and settings of World() unless --solver says otherwise"
 
     @classmethod
@@ -40,14 +43,19 @@ class Adapter(Engine):
     def _world(self, scene: BenchScene, dt: float) -> Any:
         st = self.load()
         table = st.MaterialTable()
-        pair = {"static": scene.friction, "dynamic": scene.friction, "restitution": scene.restitution}
-        table.set_pair("default", "default", **pair)
+        ratio = 1.0 if scene.dynamic_friction is None else scene.dynamic_friction / scene.friction
+        names = sorted({"default", *(body.surface for body in scene.bodies)})
+        own = {frozenset((a, b)): mu for a, b, mu in scene.pairs}
+        for a, b in combinations_with_replacement(names, 2):
+            mu = own.get(frozenset((a, b)), scene.friction)
+            pair = {"static": mu, "dynamic": ratio * mu, "restitution": scene.restitution, "rolling": scene.rolling}
+            table.set_pair(a, b, **pair)
         return st.World(gravity=scene.gravity, dt=dt, solver=self.solver, materials=table, sleeping=False)
 
     def _build(self, scene: BenchScene, dt: float) -> None:
         world = self._world(scene, dt)
         for body in scene.bodies:
-            pose = {"position": body.position, "orientation": body.orientation}
+            pose = {"position": body.position, "orientation": body.orientation, "material": body.surface}
             if body.kinematic:
                 moves = {"velocity": body.velocity, "angular_velocity": body.angular_velocity}
                 world.add(body.shape, kinematic=True, **pose, **moves)
@@ -66,6 +74,9 @@ class Adapter(Engine):
         self.world.velocities[index] = velocity
         self.world.angular_velocities[index] = spin
 
+    def _push(self, index: int, force: Array) -> None:
+        self.world.bodies[index].apply_force(force)
+
     def positions(self) -> Array:
         return np.array(self.world.positions)
 
@@ -74,6 +85,9 @@ class Adapter(Engine):
 
     def velocities(self) -> Array:
         return np.array(self.world.velocities)
+
+    def angular_velocities(self) -> Array:
+        return np.array(self.world.angular_velocities)
 
     def profile(self, steps: int) -> dict[str, float] | None:
         """``World.profile(steps)``, if this version's world has it, as milliseconds a step."""
