@@ -3,7 +3,8 @@
 Each gets the contact's own matrix K (symmetric), b = -(velocity without this contact's impulse), the impulse that it has now, and
 mu. With u = K r - b, components (normal, two in the plane), what they return is
 
-``secular``     the exact solution of Signorini's and Coulomb's laws together (``coulomb_impulse``)
+``secular``     the exact solution of Signorini's and Coulomb's laws together (``coulomb_impulse``); ``alternate`` where
+                that is not unique, mu |K_nt| >= K_nn: an exact solver would jump between solutions from sweep to sweep
 ``alternate``   the normal impulse for the old friction, then exact friction for that normal impulse
 ``newton``      the exact solution again, by semismooth Newton steps on Alart and Curnier's equations
 ``projection``  one step r - rho (u + (mu |u_t|, 0, 0)), projected onto the cone (De Saxcé and Feng)
@@ -134,6 +135,8 @@ def newton(K, b, r, mu):
 def local_solution(which, K, b, r, mu):
     """The new impulse of one contact by the local solver with that number."""
     if which == SECULAR:
+        if mu * math.sqrt(K.yx * K.yx + K.zx * K.zx) >= K.xx:  # friction can hold this contact shut by itself
+            return alternate(K, b, r, mu)
         g, _ = coulomb_impulse(K, b, mu, mu)
         return g
     if which == ALTERNATE:

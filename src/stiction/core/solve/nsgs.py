@@ -3,8 +3,7 @@
 Jean, "The non-smooth contact dynamics method", CMAME 177 (1999). A sweep costs one product with W (9 multiplications a
 block, each block read once) and one local solution a contact; nothing is kept but r. It needs no full rank: where many
 contacts carry one body, as nearly always between rigid bodies, it ends at one of the many solutions. It converges
-linearly at best, slowly where impulses have far to travel: an error that is a hundred times smaller may take a
-hundred times as many sweeps.
+linearly at best, and slowly where impulses have far to travel.
 
 With ``alpha`` above zero it solves the proximal problem W + alpha 1, q - alpha anchor instead: stiffer, and equal to the
 problem itself once r has come to rest at the anchor.
@@ -38,9 +37,9 @@ def velocity_at(i, pointers, indices, blocks, q, r):
     return u
 
 
-@jit
-def natural_map_norm(pointers, indices, blocks, q, mu, r, rho):
-    """|r - P_K(r - rho (u + (mu |u_t|, 0, 0)))| over all contacts, not yet divided by |q|."""
+@entry
+def natural_map(pointers, indices, blocks, q, mu, r, rho):
+    """|r - P_K(r - rho (u + (mu |u_t|, 0, 0)))| over all contacts, not divided by anything."""
     total = 0.0
     for i in range(len(mu)):
         u = velocity_at(i, pointers, indices, blocks, q, r)
@@ -51,23 +50,18 @@ def natural_map_norm(pointers, indices, blocks, q, mu, r, rho):
     return math.sqrt(total)
 
 
-@entry
-def natural_map(pointers, indices, blocks, q, mu, r, rho):
-    """:func:`natural_map_norm` for Python."""
-    return natural_map_norm(pointers, indices, blocks, q, mu, r, rho)
-
-
 @jit
-def visit(i, pointers, indices, blocks, places, q, mu, r, anchor, alpha, which, omega):
+def visit(i, pointers, indices, blocks, places, q, mu, extra, r, anchor, alpha, which, omega):
     """Give contact i the impulse that its local solver asks for."""
-    b = -velocity_at(i, pointers, indices, blocks, q, r)
     D = blocks[places[i]]
     old = Vec3(r[i, 0], r[i, 1], r[i, 2])
-    # Files hold W with rounding of their own: the local solvers get its symmetric part, the rest acts at the old impulse
+    pull = Vec3(old.x - anchor[i, 0], old.y - anchor[i, 1], old.z - anchor[i, 2]) * alpha
+    # What differs between W's block and K (rounding that a file has made unsymmetric, ``extra``) acts at the old impulse,
+    # through u: it slows the way to the solution and does not move it.
     xy, xz, yz = 0.5 * (D[0, 1] + D[1, 0]), 0.5 * (D[0, 2] + D[2, 0]), 0.5 * (D[1, 2] + D[2, 1])
-    K = Mat33(D[0, 0] + alpha, xy, xz, xy, D[1, 1] + alpha, yz, xz, yz, D[2, 2] + alpha)
-    pull = Vec3(old.x - anchor[i, 0], old.y - anchor[i, 1], old.z - anchor[i, 2])
-    b = b + K @ old - pull * alpha
+    more = alpha + extra[i]
+    K = Mat33(D[0, 0] + more, xy, xz, xy, D[1, 1] + more, yz, xz, yz, D[2, 2] + more)
+    b = K @ old - velocity_at(i, pointers, indices, blocks, q, r) - pull
     new = local_solution(which, K, b, old, mu[i])
     if omega != 1.0:
         new = old + (new - old) * omega
@@ -76,24 +70,14 @@ def visit(i, pointers, indices, blocks, places, q, mu, r, anchor, alpha, which, 
 
 
 @entry
-def sweep(pointers, indices, blocks, places, q, mu, r, order, turn, anchor, alpha, which, omega, sweeps, enough, every):
-    """Up to ``sweeps`` sweeps over the contacts in ``order``; r (n, 3) is changed in place.
+def sweep(pointers, indices, blocks, places, q, mu, extra, r, order, turn, anchor, alpha, which, omega, sweeps):
+    """So many sweeps over the contacts in ``order``; r (n, 3) is changed in place.
 
-    With ``turn`` every second sweep goes backwards. ``omega`` over- or under-relaxes. Every ``every`` sweeps the natural
-    map of the problem itself (rho = 1) is taken; at ``enough`` or less, and where r is not finite, it stops.
-    Returns the number of sweeps done and the last natural map.
+    With ``turn`` every second sweep goes backwards. ``places`` says where the diagonal blocks are, ``extra`` (n,) is added
+    to the diagonal of those that are singular, ``which`` is the local solver, ``omega`` over- or under-relaxes.
     """
     n = len(mu)
-    error = math.inf
-    done = 0
-    while done < sweeps:
-        backwards = turn and done % 2 == 1
+    for done in range(sweeps):
         for k in range(n):
-            i = order[n - 1 - k] if backwards else order[k]
-            visit(i, pointers, indices, blocks, places, q, mu, r, anchor, alpha, which, omega)
-        done += 1
-        if done % every == 0 or done == sweeps:
-            error = natural_map_norm(pointers, indices, blocks, q, mu, r, 1.0)
-            if not error > enough:
-                break
-    return done, error
+            i = order[n - 1 - k] if turn and done % 2 == 1 else order[k]
+            visit(i, pointers, indices, blocks, places, q, mu, extra, r, anchor, alpha, which, omega)
