@@ -1,13 +1,14 @@
 """Sweeps made faster: Anderson's extrapolation, and long steps along a drift, both taken only if they pay.
 
-A run of sweeps is a map G, and a solution its fixed point. Anderson, "Iterative procedures for nonlinear integral equations",
-J. ACM 12 (1965), takes the combination of the last few G(r_k) whose steps G(r_k) - r_k cancel best; for a linear map
-that is GMRES. Friction is only piecewise linear: where contacts open or begin to slide it may lead astray. So
-the combination, projected onto the cones, is taken only where it lowers the natural map; else its memory is dropped.
+A run of sweeps is a map G, and a solution its fixed point. Anderson, "Iterative procedures for nonlinear integral
+equations", J. ACM 12 (1965), takes the combination of the last few G(r_k) whose steps G(r_k) - r_k cancel best; for a
+linear map that amounts to GMRES. Friction is linear only in pieces: where contacts open or begin to slide it may lead
+astray. So the combination, projected onto the cones, is taken only where it does not raise the natural map; else its
+memory is dropped.
 
-Between rigid bodies there is something else: where contacts share a load, impulse may creep from one to another at
-a constant rate for tens of thousands of sweeps while all velocities stand still. No combination of nearly equal steps shows
-that; walking on along the last step does, twice as far each time, for as long as the natural map falls.
+Between rigid bodies there is something else: where contacts share a load, impulse may creep from one to another at a
+constant rate for tens of thousands of sweeps while all velocities stand still. No combination of nearly equal steps
+ends that; walking on along the last step does, twice as far each time, for as long as the natural map falls.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ RIDGE = 1e-12
 def accelerated(
     sweeps: Sweeps, r: Vector, limit: int, tolerance: float, deadline: float, log: Callable[[int, Vector, float], None]
 ) -> int:
-    """Sweep from r until the error is at ``tolerance``, or ``limit`` sweeps or the deadline (time.perf_counter) is past.
+    """Sweep from r until the error is at ``tolerance``, or ``limit`` sweeps are done, or the deadline is past.
 
     ``log`` is told the number of sweeps, the impulses and their error after every round. Returns the sweeps done.
     """
@@ -83,7 +84,8 @@ def _combination(images: list[Vector], steps: list[Vector]) -> Vector:
     normal = differences @ differences.T
     normal[np.diag_indices_from(normal)] += RIDGE * normal.trace() + np.finfo(float).tiny
     weights = np.linalg.solve(normal, differences @ steps[-1].ravel())
-    return images[-1] - (weights @ moved).reshape(images[-1].shape)
+    combined: Vector = images[-1] - (weights @ moved).reshape(images[-1].shape)
+    return combined
 
 
 def _walk(sweeps: Sweeps, r: Vector, merit: float, step: Vector) -> tuple[Vector, bool]:

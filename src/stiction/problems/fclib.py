@@ -1,7 +1,7 @@
 """Contact problems in the HDF5 layout of FCLIB, the collection of frictional contact problems.
 
-Acary, Brémond, Koziara, Pérignon, "FCLIB: a collection of discrete 3D Frictional Contact problems", INRIA RT-444 (2014),
-and the C interface fclib.h. A file holds either the local form, W and q, or the global one, M, H, f and w:
+Acary, Brémond, Koziara, Pérignon, "FCLIB: a collection of discrete 3D Frictional Contact problems", INRIA RT-444
+(2014), and the C interface fclib.h. A file holds either the local form, W and q, or the global one, M, H, f and w:
 
     fclib_local/spacedim, W/*, vectors/{q, mu}, info/{title, description, math_info}
     fclib_global/spacedim, M/*, H/*, vectors/{f, w, mu}, info/*
@@ -42,7 +42,8 @@ def read(path: Path) -> ContactProblem:
         with h5py.File(path, "r") as file:
             group, form = _problem_group(path, file)
             mu = _vector(path, group, "vectors/mu")
-            texts = {name: _text(group, f"info/{name}") for name in ("title", "description")}
+            title, description = (_text(group, f"info/{name}") for name in ("title", "description"))
+            texts: Any = {"title": title, "description": description}
             if form == "local":
                 i, j, x, shape = _matrix(path, group, "W")
                 q = _vector(path, group, "vectors/q")

@@ -1,13 +1,14 @@
 """Newton's method on all contacts at once, within a proximal-point loop: for what sweeps do not bring to an end.
 
-Alart and Curnier's equations, r_n = max(0, r_n - rho_n u_n) and r_t = the nearest point to r_t - rho_t u_t in the disk of radius
-mu max(0, r_n - rho_n u_n), are piecewise smooth. Newton's method on them converges quadratically near a solution if W has full
-rank, and fails without it, the usual case between rigid bodies. So each outer step solves
+Alart and Curnier's equations, r_n = max(0, r_n - rho_n u_n) and r_t = the nearest point to r_t - rho_t u_t in the disk
+of radius mu max(0, r_n - rho_n u_n), are smooth in pieces. Newton's method on them converges quadratically near a
+solution if W has full rank, and may fail without it, the usual case between rigid bodies. So each outer step solves
 
     W + alpha 1,   q - alpha r_before
 
-instead, which has full rank and nearly the same solution when r stands still (Rockafellar's proximal points; for friction: Acary,
-Brémond, Huber, 2018, where it is the most robust family of all). alpha falls while Newton arrives, and rises when it does not.
+instead, which has full rank, and whose solution is one of the problem itself once r stands still (Rockafellar's
+proximal points; for friction: Acary, Brémond, Huber, "On solving contact problems with Coulomb friction: formulations
+and numerical comparisons", 2018). alpha falls while Newton arrives, and rises when it does not.
 
 An inner step costs one sparse LU factorisation of a 3n x 3n matrix with the pattern of W.
 """
@@ -40,25 +41,24 @@ SUFFICIENT = 1e-4
 def proximal_newton(
     sweeps: Sweeps, r: Vector, limit: int, tolerance: float, deadline: float, log: Callable[[int, Vector, float], None]
 ) -> int:
-    """Newton steps from r until the error is at ``tolerance``, or ``limit`` of them are done or the deadline is past.
+    """Newton steps from r until the error is at ``tolerance``, or ``limit`` of them are done, or the deadline is past.
 
-    ``log`` is told the number of Newton steps, the impulses and their error after every outer step. Returns the steps done.
+    ``log`` is told the number of Newton steps, the impulses and their error after every outer step. Returns the steps.
     """
     unit = 1.0 / sweeps.inertia  # impulses times this are velocities: everything below is in m/s
     x = r * unit
     alpha, done = FIRST_ALPHA, 0
+    enough = ENOUGH * tolerance * sweeps.norm
     while done < limit and time.perf_counter() < deadline:
         equations = _Equations(sweeps, unit, alpha, x)
-        y, before, after, count = _newton(
-            equations, x, min(INNER_STEPS, limit - done), ENOUGH * tolerance * sweeps.norm
-        )
+        y, before, after, count = _newton(equations, x, min(INNER_STEPS, limit - done), enough)
         done += max(count, 1)
         here = project_onto_cones(y, sweeps.mu) / unit
         error = sweeps.error(here)
         log(done, here, error)
         if error <= tolerance:
             break
-        if after < ARRIVED * before or after <= ENOUGH * tolerance * sweeps.norm:
+        if after < ARRIVED * before or after <= enough:
             x, alpha = y, max(FALLS * alpha, SMALLEST_ALPHA)
         else:
             alpha = min(RISES * alpha, LARGEST_ALPHA)

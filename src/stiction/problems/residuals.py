@@ -5,14 +5,16 @@
     |r - P_K(r - (u + (mu |u_t|, 0, 0)))| / |q|,
 
 so that numbers can be compared with theirs (Acary, Brémond, Huber, "On solving contact problems with Coulomb friction:
-formulations and numerical comparisons", 2018). It is zero at solutions and nowhere else. But it subtracts m/s from N s, so its size
-depends on units: for a contact that ought to be open it counts the smaller one of r and u.
+formulations and numerical comparisons", 2018). It is zero at solutions and nowhere else. But it subtracts m/s from N s,
+so its size depends on units: of a contact that ought to be open it counts the smaller one of r and u.
 
-**De Saxcé's form** has no such choice: with the raised velocity w = u + (mu |u_t|, 0, 0) the laws of Signorini and Coulomb are
+**De Saxcé's form** has no such choice: with the raised velocity w = u + (mu |u_t|, 0, 0), the laws of Signorini and
+Coulomb are
 
     r in K,  w in K*,  r . w = 0,
 
-and each part can be off by itself. :func:`residuals` gives them beside the natural map, each relative to what it is made of.
+and each part can be off by itself. :func:`residuals` gives them beside the natural map, each relative to what it is
+made of.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ Numbers in free form: dimension, number of contacts, the matrix, q, mu. The matr
 
     dense    rows and columns once more, then all entries by columns
     blocks   number of blocks, block rows, block columns; where each block row ends, where each block column ends;
-             lengths of two index lists; row pointers; block columns; then each block: its number, its entries by columns
+             lengths of two index lists; row pointers; block columns; then each block: its number, entries by columns
 
 What may follow mu is left alone: some files end with a flag.
 """

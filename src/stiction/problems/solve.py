@@ -1,7 +1,7 @@
 """Solve a contact problem, and say how far that went.
 
-The default is the most robust of what is here: Gauss-Seidel over contacts with the exact local solver, accelerated, and a proximal
-Newton method for what is left when sweeps come to an end. Each part can be asked for alone.
+The default is the most robust of what is here: Gauss-Seidel over contacts with the exact local solver, accelerated, and
+a proximal Newton method for what is left when sweeps come to an end. Each part can be asked for alone.
 """
 
 from __future__ import annotations
@@ -86,8 +86,8 @@ def solve(
         sweeps: the most sweeps that are made.
         seconds: wall time after which no further sweep begins; no limit if left out.
         every: sweeps between two entries of the log, for sweeps that are not accelerated; the error is tested then.
-        order: in which contacts are visited: "forward", "symmetric" (every second sweep backwards) or "random" (shuffled
-            once, by ``seed``).
+        order: in which contacts are visited: "forward", "symmetric" (every second sweep backwards) or "random"
+            (shuffled once, by ``seed``).
         omega: over- or under-relaxation, above 0 and below 2.
         seed: of the random order. The same call gives the same result to the bit, unless ``seconds`` cuts it short.
         start: impulses to start from, (n, 3) or (3n,); zero if left out.
@@ -99,8 +99,8 @@ def solve(
         InvalidInputError: an argument is not allowed, or W has a negative diagonal.
 
     Warns:
-        IterationLimitWarning: the error is above the tolerance. There may be no solution: a body may be wedged between walls
-            that approach each other.
+        IterationLimitWarning: the error is above the tolerance. There may be no solution: a body may be wedged between
+            walls that approach each other.
     """
     from stiction.problems.anderson import accelerated
     from stiction.problems.proximal import proximal_newton

@@ -1,7 +1,7 @@
 """One contact of many, with the impulses of all others held: the local solvers of a sweep.
 
-Each gets the contact's own matrix K (symmetric), b = -(velocity without this contact's impulse), the impulse that it has now, and
-mu. With u = K r - b, components (normal, two in the plane), what they return is
+Each gets the contact's own matrix K (symmetric), b = -(velocity without this contact's impulse), the impulse r that it
+has now, and mu; components are (normal, two in the plane), and u = K r - b. What they return is
 
 ``secular``     the exact solution of Signorini's and Coulomb's laws together (``coulomb_impulse``); ``alternate`` where
                 that is not unique, mu |K_nt| >= K_nn: an exact solver would jump between solutions from sweep to sweep

@@ -5,8 +5,8 @@ block, each block read once) and one local solution a contact; nothing is kept b
 contacts carry one body, as nearly always between rigid bodies, it ends at one of the many solutions. It converges
 linearly at best, and slowly where impulses have far to travel.
 
-With ``alpha`` above zero it solves the proximal problem W + alpha 1, q - alpha anchor instead: stiffer, and equal to the
-problem itself once r has come to rest at the anchor.
+With ``alpha`` above zero it solves the proximal problem W + alpha 1, q - alpha anchor instead: stiffer, and equal to
+the problem itself once r has come to rest at the anchor.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ def visit(i, pointers, indices, blocks, places, q, mu, extra, r, anchor, alpha, 
     D = blocks[places[i]]
     old = Vec3(r[i, 0], r[i, 1], r[i, 2])
     pull = Vec3(old.x - anchor[i, 0], old.y - anchor[i, 1], old.z - anchor[i, 2]) * alpha
-    # What differs between W's block and K (rounding that a file has made unsymmetric, ``extra``) acts at the old impulse,
-    # through u: it slows the way to the solution and does not move it.
+    # What differs between W's block and K (a block that its file has made unsymmetric, ``extra``) acts at the old
+    # impulse, through u: it slows the way to the solution and does not move it.
     xy, xz, yz = 0.5 * (D[0, 1] + D[1, 0]), 0.5 * (D[0, 2] + D[2, 0]), 0.5 * (D[1, 2] + D[2, 1])
     more = alpha + extra[i]
     K = Mat33(D[0, 0] + more, xy, xz, xy, D[1, 1] + more, yz, xz, yz, D[2, 2] + more)
@@ -73,8 +73,8 @@ def visit(i, pointers, indices, blocks, places, q, mu, extra, r, anchor, alpha, 
 def sweep(pointers, indices, blocks, places, q, mu, extra, r, order, turn, anchor, alpha, which, omega, sweeps):
     """So many sweeps over the contacts in ``order``; r (n, 3) is changed in place.
 
-    With ``turn`` every second sweep goes backwards. ``places`` says where the diagonal blocks are, ``extra`` (n,) is added
-    to the diagonal of those that are singular, ``which`` is the local solver, ``omega`` over- or under-relaxes.
+    With ``turn`` every second sweep goes backwards. ``places`` says where the diagonal blocks are, ``extra`` (n,) is
+    added to the diagonal of those that are singular, ``which`` is the local solver, ``omega`` over- or under-relaxes.
     """
     n = len(mu)
     for done in range(sweeps):
