@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from stiction.cli.console import out, print_json, say, table
+from stiction.errors import InvalidInputError
 
 NUMBERS = ("expected", "measured", "error", "tolerance")
 
@@ -17,8 +19,22 @@ def verify(
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 1.0 / 60.0,
     json: Annotated[bool, typer.Option("--json", help="Print every measurement as JSON.")] = False,
     list_: Annotated[bool, typer.Option("--list", help="List the cases with formula and source.")] = False,
+    fclib: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Solve the contact problems of a folder instead (FCLIB's or Siconos' files)."),
+    ] = None,
+    tolerance: Annotated[float, typer.Option(help="With --fclib: error at which a problem is solved.")] = 1e-6,
+    sweeps: Annotated[int, typer.Option(help="With --fclib: the most sweeps for a problem.")] = 100_000,
+    seconds: Annotated[float, typer.Option(help="With --fclib: wall time in s for a problem.")] = 30.0,
 ) -> None:
     """Measure closed-form cases and compare; exit status 1 if one fails that this solver should pass."""
+    if fclib is not None:
+        if cases or solver is not None or list_:
+            raise InvalidInputError("--fclib DIR measures contact problems alone: name no cases, --solver or --list.")
+        from stiction.cli.verify_problems import verify_problems
+
+        verify_problems(fclib, tolerance=tolerance, sweeps=sweeps, seconds=seconds, json=json)
+
     from stiction.verify import all_cases, run, summarise
     from stiction.world import World
 
