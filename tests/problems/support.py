@@ -25,7 +25,7 @@ def random_problem(rng: np.random.Generator, bodies: int = 4, contacts: int = 10
     for c in range(contacts):
         frame = np.linalg.qr(rng.normal(size=(3, 3)))[0]  # columns: normal and two in the plane
         pair = rng.choice(bodies, size=min(2, bodies), replace=False)
-        for body, sign in zip(pair[: rng.integers(1, len(pair) + 1)], (1.0, -1.0)):
+        for body, sign in zip(pair[: rng.integers(1, len(pair) + 1)], (1.0, -1.0), strict=False):
             arm = rng.uniform(-0.5, 0.5, size=3)
             H[6 * body : 6 * body + 3, 3 * c : 3 * c + 3] = sign * frame
             H[6 * body + 3 : 6 * body + 6, 3 * c : 3 * c + 3] = sign * np.cross(arm, frame.T).T
@@ -55,4 +55,6 @@ def assert_solved(problem: ContactProblem, r: Vector, tolerance: float) -> None:
             # friction is opposite to the slip and as large as it may be; how well that is known depends on the slip
             opposite = -problem.mu[i] * normal * u[i, 1:] / speed
             allowed = small_r + 2.0 * problem.mu[i] * normal * small_u / speed
-            assert np.hypot(*(r[i, 1:] - opposite)) <= allowed, f"contact {i} has friction that is not opposite to its slip"
+            assert np.hypot(*(r[i, 1:] - opposite)) <= allowed, (
+                f"contact {i} has friction that is not opposite to its slip"
+            )

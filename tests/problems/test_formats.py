@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from scipy.sparse import coo_array, csc_array, csr_array
 
-from .support import random_problem
 from stiction.errors import InvalidInputError, NotYetError, OutputError
 from stiction.problems import ContactProblem
+
+from .support import random_problem
 
 
 def assert_same(a: ContactProblem, b: ContactProblem) -> None:
@@ -60,7 +61,9 @@ def test_the_format_is_told_by_what_is_in_the_file_not_by_its_name(tmp_path: Pat
 
 
 @pytest.mark.parametrize(("nz", "make"), [(-1, csc_array), (-2, csr_array), (None, coo_array)])
-def test_all_three_storages_of_fclib_are_read(nz: int | None, make: Any, tmp_path: Path, rng: np.random.Generator) -> None:
+def test_all_three_storages_of_fclib_are_read(
+    nz: int | None, make: Any, tmp_path: Path, rng: np.random.Generator
+) -> None:
     """W need not be symmetric here, so that rows and columns cannot be mistaken for each other."""
     W = np.where(rng.random((9, 9)) < 0.6, rng.normal(size=(9, 9)), 0.0)
     matrix = make(W)

@@ -72,6 +72,7 @@ def solve(
     omega: float = 1.0,
     seed: int = 0,
     start: ArrayLike | None = None,
+    warn: bool = True,
 ) -> Solution:
     """Find impulses that obey the laws of Signorini and Coulomb at all contacts.
 
@@ -91,6 +92,7 @@ def solve(
         omega: over- or under-relaxation, above 0 and below 2.
         seed: of the random order. The same call gives the same result to the bit, unless ``seconds`` cuts it short.
         start: impulses to start from, (n, 3) or (3n,); zero if left out.
+        warn: whether to warn of an error above the tolerance; ``converged`` tells it anyway.
 
     Returns:
         The best impulses that were seen.
@@ -128,7 +130,7 @@ def solve(
         newton_steps = proximal_newton(engine, best.r, MOST_NEWTON_STEPS, tolerance, deadline, best.see)
 
     converged = best.error <= tolerance
-    if not converged:
+    if warn and not converged:
         steps = f" and {newton_steps} Newton steps" if newton_steps else ""
         warnings.warn(
             f"{problem.title or 'A contact problem'}: error {best.error:.2g} after {done} sweeps{steps} is above the "

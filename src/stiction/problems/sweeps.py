@@ -87,9 +87,7 @@ def _stiffening(diagonal: Vector) -> tuple[Vector, float]:
     normal = diagonal[:, 0, 0]
     if len(normal) and normal.min() < 0.0:
         worst = int(normal.argmin())
-        raise InvalidInputError(
-            f"W must be positive semidefinite, got {normal[worst]:g} on its diagonal at {3 * worst}."
-        )
+        raise InvalidInputError(f"W must be positive semidefinite, got W_nn = {normal[worst]:g} at contact {worst}.")
     mean = float(traces.mean()) if len(traces) and traces.mean() > 0.0 else 1.0
     eigenvalues = np.linalg.eigvalsh(0.5 * (diagonal + diagonal.transpose(0, 2, 1)))
     singular = eigenvalues[:, 0] <= SINGULAR * eigenvalues[:, 2]

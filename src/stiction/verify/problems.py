@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from os import PathLike
@@ -11,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stiction import checks
-from stiction.errors import InvalidInputError, IterationLimitWarning, StictionError
+from stiction.errors import InvalidInputError, StictionError
 from stiction.problems import ContactProblem, Solution, solve
 from stiction.record.interrupts import interrupts_held
 
@@ -120,9 +119,9 @@ def measure(
     """Measure one problem."""
     from stiction.problems.sweeps import LOCAL_SOLVERS
 
-    solve_quietly(problem, sweeps=1, finish=False, tolerance=tolerance)  # compiles, which is nobody's time
+    solve(problem, sweeps=1, finish=False, warn=False)  # compiles, which is nobody's time
     errors = {local: _errors(problem, local, seconds * SHARE_OF_A_LOCAL_SOLVER) for local in LOCAL_SOLVERS}
-    solution = solve_quietly(problem, tolerance=tolerance, sweeps=sweeps, seconds=seconds)
+    solution = solve(problem, tolerance=tolerance, sweeps=sweeps, seconds=seconds, warn=False)
     errors[DEFAULT] = {count: _error_after(solution, count) for count in COUNTS}
     return ProblemResult(
         problem=name,
@@ -135,13 +134,6 @@ def measure(
         newton_steps=solution.newton_steps,
         seconds=solution.seconds,
     )
-
-
-def solve_quietly(problem: ContactProblem, **how: Any) -> Solution:
-    """:func:`stiction.problems.solve` without its warning: the table says what did not converge."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IterationLimitWarning)
-        return solve(problem, **how)
 
 
 def _errors(problem: ContactProblem, local: str, seconds: float) -> dict[int, float | None]:
