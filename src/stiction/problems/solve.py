@@ -30,6 +30,8 @@ Log = Callable[[int, Vector, float], None]
 
 METHODS = ("nsgs", "newton")
 MOST_NEWTON_STEPS = 600
+TURNS = ((2_000, 50), (8_000, 150), (math.inf, MOST_NEWTON_STEPS))
+"""Sweeps, then Newton steps, in turns: each brings problems to an end on which the other creeps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +84,7 @@ def solve(
         local: the solver of a single contact in a sweep: "secular", "alternate", "newton", "projection" or "clamp". The
             last one has other fixed points than the problem has solutions; it is there to be compared with.
         accelerate: extrapolate from the last sweeps wherever that lowers the natural map.
-        finish: go on with proximal Newton steps where the sweeps end above the tolerance.
+        finish: take turns with proximal Newton steps where sweeps alone are slow to reach the tolerance.
         tolerance: of the error.
         sweeps: the most sweeps that are made.
         seconds: wall time after which no further sweep begins; no limit if left out.
@@ -121,13 +123,18 @@ def solve(
     r = project_onto_cones(r, engine.mu)
 
     best = _Best(r, engine.error(r))
+    run = accelerated if accelerate else partial(_plain, every=every)
     done = newton_steps = 0
-    if method == "nsgs" and best.error > tolerance:
-        run = accelerated if accelerate else partial(_plain, every=every)
-        done = run(engine, r.copy(), sweeps, tolerance, deadline, best.see)
-        best.offset = done
-    if (finish or method == "newton") and best.error > tolerance:
-        newton_steps = proximal_newton(engine, best.r, MOST_NEWTON_STEPS, tolerance, deadline, best.see)
+    for most, most_steps in TURNS if method == "nsgs" and finish else ((math.inf, MOST_NEWTON_STEPS),):
+        if best.error <= tolerance or time.perf_counter() > deadline:
+            break
+        if method == "nsgs":
+            limit = int(min(most, sweeps - done))
+            done += run(engine, best.r.copy(), limit, tolerance, deadline, best.see)
+            best.offset = done + newton_steps
+        if (method == "newton" or finish) and best.error > tolerance:
+            newton_steps += proximal_newton(engine, best.r, most_steps, tolerance, deadline, best.see)
+            best.offset = done + newton_steps
 
     converged = best.error <= tolerance
     if warn and not converged:
