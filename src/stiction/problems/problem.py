@@ -1,7 +1,7 @@
 """A contact problem as a value: the impulses of n contacts that act at the same instant, and nothing around them.
 
 What one step of any engine has to solve, taken out of the engine. With the normal component first in every block of
-three, the collision velocities u and impulses r of all contacts obey
+three, the velocities u (u_n positive where bodies part) and impulses r of all contacts obey
 
     u = W r + q,      r in K:  |r_t| <= mu r_n,
 
@@ -34,13 +34,13 @@ Form = Literal["local", "global"]
 
 @dataclass(frozen=True, eq=False)
 class GlobalForm:
-    """The same problem with the bodies in it: M v = H r + f, u = H^T v + w.
+    """The same problem with the bodies in it: M v = H r + f, u = H^T v + w, with v the velocities of the bodies.
 
     Attributes:
         M: masses, (d, d), for d velocities of all bodies.
-        H: takes impulses to bodies, (d, 3n); its transpose takes their velocities to collision velocities.
+        H: takes impulses to bodies, (d, 3n); its transpose takes their velocities to those of the contacts.
         f: momenta that the bodies have without any contact, (d,).
-        w: part of the collision velocities that is not the bodies' own, (3n,).
+        w: part of u that is not the bodies' own, (3n,).
     """
 
     M: csc_array
@@ -54,7 +54,7 @@ class ContactProblem:
 
     Args:
         W: the Delassus operator: a dense array, a scipy sparse matrix or a :class:`BlockMatrix`, (3n, 3n).
-        q: collision velocities without impulses, (3n,) or (n, 3), in m/s for W in 1/kg and r in N s.
+        q: velocities u without impulses, (3n,) or (n, 3), in m/s for W in 1/kg and r in N s.
         mu: coefficients of friction, (n,) or one number for all.
         title: a name to show.
         description: where it is from.

@@ -40,7 +40,7 @@ class Solution:
 
     Attributes:
         r: impulses, (n, 3) in N s, the normal component first.
-        u: collision velocities W r + q, (n, 3) in m/s.
+        u: velocities W r + q, (n, 3) in m/s.
         error: natural map of r with rho = 1 as a part of |q|, the error that FCLIB reports.
         converged: whether the error is at the tolerance.
         sweeps: sweeps done.
