@@ -126,7 +126,7 @@ def solve(
     run = accelerated if accelerate else partial(_plain, every=every)
     done = newton_steps = 0
     for most, most_steps in TURNS if method == "nsgs" and finish else ((math.inf, MOST_NEWTON_STEPS),):
-        if best.error <= tolerance or time.perf_counter() > deadline:
+        if best.error <= tolerance or (done + newton_steps and time.perf_counter() > deadline):
             break
         if method == "nsgs":
             limit = int(min(most, sweeps - done))
