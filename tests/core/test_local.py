@@ -1,4 +1,7 @@
-"""The local solvers of one contact among many: which agree, which rest at solutions, and which does not."""
+"""The local solvers of one contact among many: which agree, which rest at solutions, and which does not.
+
+In plain Python here; compiled, inside the sweep that calls them, they are tested with the problems that it solves.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import pytest
 from stiction.core.friction.local import ALTERNATE, CLAMP, NEWTON, PROJECTION, SECULAR, cone_projection, local_solution
 from stiction.core.vec import Vec3
 
-from .support import Array, compiled, mat, matrix_of, random_unit, vec
+from .support import Array, mat, matrix_of, random_unit, vec
 
 CASES = 1000
 
@@ -43,7 +46,7 @@ def law(K: Array, b: Array, mu: float, r: Array) -> float:
 
 @pytest.mark.parametrize("which", [SECULAR, NEWTON], ids=["secular", "newton"])
 def test_the_exact_ones_solve_one_contact_at_once(which: int, rng: np.random.Generator) -> None:
-    solve = compiled(local_solution)
+    solve = local_solution
     for K, b, mu in cases(rng):
         r = np.array(solve(which, mat(K), vec(b), Vec3(0.0, 0.0, 0.0), mu))
         assert law(K, b, mu, r) < 1e-10
@@ -51,7 +54,7 @@ def test_the_exact_ones_solve_one_contact_at_once(which: int, rng: np.random.Gen
 
 @pytest.mark.parametrize("which", [ALTERNATE, PROJECTION], ids=["alternate", "projection"])
 def test_the_others_get_there_if_asked_again(which: int, rng: np.random.Generator) -> None:
-    solve = compiled(local_solution)
+    solve = local_solution
     for K, b, mu in cases(rng)[:30]:
         r = Vec3(0.0, 0.0, 0.0)
         for _ in range(1500):
@@ -60,7 +63,7 @@ def test_the_others_get_there_if_asked_again(which: int, rng: np.random.Generato
 
 
 def test_all_but_the_clamp_rest_at_the_solution(rng: np.random.Generator) -> None:
-    solve = compiled(local_solution)
+    solve = local_solution
     moved = 0.0
     for K, b, mu in cases(rng):
         right = solve(SECULAR, mat(K), vec(b), Vec3(0.0, 0.0, 0.0), mu)
@@ -74,9 +77,9 @@ def test_all_but_the_clamp_rest_at_the_solution(rng: np.random.Generator) -> Non
 def test_the_clamp_points_along_the_velocity_divided_by_mass() -> None:
     """K_t = diag(1, 4), slip along (1, 1): friction along (1, 1/4), 31 degrees off."""
     K, b = np.diag([1.0, 1.0, 4.0]), np.array([1.0, 1.0, 1.0])
-    wrong = compiled(local_solution)(CLAMP, mat(K), vec(b), Vec3(0.0, 0.0, 0.0), 0.01)
+    wrong = local_solution(CLAMP, mat(K), vec(b), Vec3(0.0, 0.0, 0.0), 0.01)
     assert math.degrees(math.atan2(wrong.z, wrong.y)) == pytest.approx(math.degrees(math.atan(0.25)), abs=1e-9)
-    right = compiled(local_solution)(SECULAR, mat(K), vec(b), Vec3(0.0, 0.0, 0.0), 0.01)
+    right = local_solution(SECULAR, mat(K), vec(b), Vec3(0.0, 0.0, 0.0), 0.01)
     u = K @ np.array(right) - b
     assert math.degrees(math.atan2(right.z, right.y)) == pytest.approx(math.degrees(math.atan2(-u[2], -u[1])), abs=1e-6)
 
@@ -88,14 +91,14 @@ def test_an_exact_solver_does_not_jump_where_a_contact_has_several_solutions() -
     stuck = np.linalg.solve(K, b)
     assert math.hypot(*stuck[1:]) <= mu * stuck[0] and law(K, b, mu, stuck) < 1e-12  # both are solutions
     assert law(K, b, mu, np.zeros(3)) < 1e-12
-    solve = compiled(local_solution)
+    solve = local_solution
     near = solve(SECULAR, mat(K), vec(b), vec(stuck), mu)
     np.testing.assert_allclose(near, stuck, atol=1e-12)
     assert solve(SECULAR, mat(K), vec(b), Vec3(0.0, 0.0, 0.0), mu) == (0.0, 0.0, 0.0)
 
 
 def test_the_projection_onto_the_cone() -> None:
-    project = compiled(cone_projection)
+    project = cone_projection
     assert project(1.0, 0.3, 0.4, 0.5) == (1.0, 0.3, 0.4)
     assert project(-1.0, 0.3, 0.4, 0.5) == (0.0, 0.0, 0.0)
     n, y, z = project(0.0, 3.0, 4.0, 0.5)
