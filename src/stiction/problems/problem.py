@@ -31,6 +31,9 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 Form = Literal["local", "global"]
 
+COLUMNS = 300
+"""Of H that M^-1 is applied to at a time."""
+
 
 @dataclass(frozen=True, eq=False)
 class GlobalForm:
@@ -111,7 +114,7 @@ class ContactProblem:
         Raises:
             InvalidInputError: shapes do not fit, or M is singular.
         """
-        from scipy.sparse import csc_array
+        from scipy.sparse import csc_array, hstack
         from scipy.sparse.linalg import splu
 
         M, H = csc_array(M, dtype=np.float64), csc_array(H, dtype=np.float64)
@@ -126,8 +129,10 @@ class ContactProblem:
             inverse = splu(M)
         except RuntimeError:
             raise InvalidInputError(f"M must not be singular, got a singular ({d}, {d}) matrix.") from None
-        from_impulses = csc_array(inverse.solve(H.toarray())) if m else H
-        W = H.T @ from_impulses
+        # M^-1 H is nearly as sparse as H, but comes out of the solver dense: a few columns at a time
+        starts = range(0, m, COLUMNS)
+        moved = [csc_array(inverse.solve(H[:, start : start + COLUMNS].toarray())) for start in starts]
+        W = H.T @ (hstack(moved, format="csc") if moved else H)
         q = moving + H.T @ inverse.solve(momentum)
         form = GlobalForm(M, H, momentum, moving)
         return cls(W, q, mu, title=title, description=description, global_form=form)
