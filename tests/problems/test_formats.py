@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.sparse import coo_array, csc_array, csr_array
 
-from stiction.errors import InvalidInputError, NotYetError, OutputError
+from stiction.errors import InvalidInputError, NotYetError, OutputError, StictionError
 from stiction.problems import ContactProblem
 
 from .support import random_problem
@@ -168,14 +168,15 @@ BAD_HDF5: list[tuple[dict[str, Any], str]] = [
     ({"q": None}, "has no fclib_local/vectors/q"),
     ({"W/x": None}, "has no fclib_local/W/x"),
     ({"mu": [0.1, 0.2]}, "q must hold 6 numbers, got 3"),
+    ({"W/m": [6]}, "W must be 3 x 3, as its vectors have it, got 6 x 3"),
     ({"q": [1.0, 2.0]}, "q must hold 3 numbers, got 2"),
-    ({"nz": [-3]}, "must have m, n >= 1 and nz >= -2, got m = 3, n = 3, nz = -3"),
+    ({"nz": [-3]}, "must have nz = -2, -1 or a number of triplets, got -3"),
     ({"nz": [9]}, "must have 9 triplets, got 3, 4 and 3 numbers"),
     ({"p": [0, 1, 2]}, "must have 4 rising pointers p"),
     ({"p": [0, 2, 1, 3]}, "must have 4 rising pointers p"),
     ({"p": [0, 1, 2, 9]}, "must have 4 rising pointers p"),
     ({"i": [0, 1, 3]}, "is 3 x 3, but its indices reach from (0, 0) to (2, 3)"),
-    ({"W/n": [4]}, "W must be (3n, 3n), got shape (3, 4)"),
+    ({"W/n": [4]}, "W must be 3 x 3, as its vectors have it, got 3 x 4"),
 ]
 
 
@@ -219,3 +220,21 @@ def test_what_cannot_be_written_is_said_before(tmp_path: Path) -> None:
     with pytest.raises(OutputError):
         problem.write(tmp_path / "no" / "a.hdf5")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["local.hdf5", "global.hdf5", "text.dat"])
+def test_damaged_files_are_read_or_refused_but_never_crash(name: str, tmp_path: Path, rng: np.random.Generator) -> None:
+    """A few bytes changed anywhere, or the end cut off: h5py has an exception of its own for each of them."""
+    whole, damaged = tmp_path / name, tmp_path / "damaged"
+    random_problem(rng, 2, 3).write(whole, form="global" if name == "global.hdf5" else "local")
+    sound = np.frombuffer(whole.read_bytes(), np.uint8)
+    digits = np.frombuffer(b"0123456789-.e \n", np.uint8)
+    for _ in range(150):
+        raw = sound.copy()
+        places = rng.integers(len(raw), size=3)
+        raw[places] = rng.choice(digits, size=3) if name == "text.dat" else rng.integers(256, size=3)
+        damaged.write_bytes(raw[: rng.integers(len(raw)) if rng.random() < 0.1 else None].tobytes())
+        try:
+            ContactProblem.read(damaged)
+        except StictionError as error:
+            assert str(damaged) in str(error)

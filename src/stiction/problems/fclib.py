@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.errors import InvalidInputError, NotYetError, OutputError
+from stiction.errors import InvalidInputError, NotYetError, OutputError, StictionError
 
 if TYPE_CHECKING:
     from stiction.problems.problem import ContactProblem, Form
@@ -44,15 +44,18 @@ def read(path: Path) -> ContactProblem:
             mu = _vector(path, group, "vectors/mu")
             title, description = (_text(group, f"info/{name}") for name in ("title", "description"))
             texts: Any = {"title": title, "description": description}
+            size = 3 * len(mu)
             if form == "local":
-                i, j, x, shape = _matrix(path, group, "W")
+                W = _matrix(path, group, "W", (size, size))
                 q = _vector(path, group, "vectors/q")
-                return _checked(path, lambda: ContactProblem(_sparse(i, j, x, shape), q, mu, **texts))
-            M, H = (_sparse(*_matrix(path, group, name)) for name in ("M", "H"))
+                return _checked(path, lambda: ContactProblem(W, q, mu, **texts))
             f, w = _vector(path, group, "vectors/f"), _vector(path, group, "vectors/w")
+            M, H = _matrix(path, group, "M", (len(f), len(f))), _matrix(path, group, "H", (len(f), size))
             return _checked(path, lambda: ContactProblem.from_global(M, H, f, w, mu, **texts))
-    except OSError as error:
-        raise InvalidInputError(f"{path} is not a sound HDF5 file: {error}.") from None
+    except StictionError:
+        raise
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:  # what h5py makes of damaged files
+        raise InvalidInputError(f"{path} is not a sound HDF5 file: {error.args[0]}.") from None
 
 
 def _checked(path: Path, make: Any) -> ContactProblem:
@@ -71,15 +74,15 @@ def _problem_group(path: Path, file: Any) -> tuple[Any, str]:
         if name not in file:
             continue
         group = file[name]
-        space = int(_vector(path, group, "spacedim")[0])
+        space = _whole(path, group, "spacedim")[0]
         if space != 3:
             raise NotYetError(f"{path}: {name}/spacedim must be 3, got {space}; planar problems are not read.")
         for other in others:
             if other in group:
                 raise NotYetError(f"{path}: {name}/{other} is a bilateral constraint; only contacts are read.")
         return group, form
-    found = ", ".join(sorted(file)) or "nothing"
-    rolling = any("rolling" in name for name in file)
+    found = ", ".join(sorted(map(str, file))) or "nothing"
+    rolling = "rolling" in found
     kind: type[Exception] = NotYetError if rolling else InvalidInputError
     raise kind(f"{path} must hold a group fclib_local or fclib_global, it holds {found}.")
 
@@ -96,6 +99,13 @@ def _vector(path: Path, group: Any, name: str) -> NDArray[np.float64]:
     return np.asarray(found[()], dtype=np.float64).reshape(-1)
 
 
+def _whole(path: Path, group: Any, name: str) -> NDArray[np.int64]:
+    found = _vector(path, group, name)
+    if not (np.abs(found) < 2.0**53).all() or (found != np.floor(found)).any():
+        raise InvalidInputError(f"{path}: {group.name.lstrip('/')}/{name} must be whole numbers.")
+    return found.astype(np.int64)
+
+
 def _text(group: Any, name: str) -> str:
     import h5py
 
@@ -106,14 +116,18 @@ def _text(group: Any, name: str) -> str:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
-def _matrix(path: Path, group: Any, name: str) -> tuple[Any, Any, Any, tuple[int, int]]:
-    """Rows, columns and values of a matrix in any of the three storages."""
+def _matrix(path: Path, group: Any, name: str, shape: tuple[int, int]) -> Any:
+    """A sparse matrix in any of the three storages, which must have the shape that the vectors ask for."""
+    from scipy.sparse import coo_array
+
     place = f"{path}: {group.name.lstrip('/')}/{name}"
-    m, n, nz = (int(_vector(path, group, f"{name}/{key}")[0]) for key in ("m", "n", "nz"))
-    p, i = (_vector(path, group, f"{name}/{key}").astype(np.int64) for key in ("p", "i"))
+    m, n, nz = (_whole(path, group, f"{name}/{key}")[0] for key in ("m", "n", "nz"))
+    if (m, n) != shape:
+        raise InvalidInputError(f"{place} must be {shape[0]} x {shape[1]}, as its vectors have it, got {m} x {n}.")
+    p, i = (_whole(path, group, f"{name}/{key}") for key in ("p", "i"))
     x = _vector(path, group, f"{name}/x")
-    if m < 1 or n < 1 or nz < BY_ROWS:
-        raise InvalidInputError(f"{place} must have m, n >= 1 and nz >= -2, got m = {m}, n = {n}, nz = {nz}.")
+    if nz < BY_ROWS:
+        raise InvalidInputError(f"{place} must have nz = -2, -1 or a number of triplets, got {nz}.")
     if nz >= 0:
         if min(len(p), len(i), len(x)) < nz:
             raise InvalidInputError(f"{place} must have {nz} triplets, got {len(i)}, {len(p)} and {len(x)} numbers.")
@@ -132,12 +146,6 @@ def _matrix(path: Path, group: Any, name: str) -> tuple[Any, Any, Any, tuple[int
         raise InvalidInputError(
             f"{place} is {m} x {n}, but its indices reach from ({i.min()}, {j.min()}) to ({i.max()}, {j.max()})."
         )
-    return i, j, x, (m, n)
-
-
-def _sparse(i: Any, j: Any, x: Any, shape: tuple[int, int]) -> Any:
-    from scipy.sparse import coo_array
-
     return coo_array((x, (i, j)), shape=shape)
 
 
