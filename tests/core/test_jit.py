@@ -262,6 +262,14 @@ def test_an_entry_is_cached_in_the_folder_and_other_packages_caches_stay(
     assert not jit.is_cold()
 
 
+def test_kernels_of_contact_problems_do_not_make_a_world_warm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(jit, "kernel_folder", lambda: tmp_path)
+    (tmp_path / "nsgs.sweep-72.py311.1.nbc").write_bytes(b"code")
+    assert jit.is_cold()
+    (tmp_path / "step.step-31.py311.1.nbc").write_bytes(b"code")
+    assert not jit.is_cold()
+
+
 def an_entry(x: float) -> float:
     """Twice x."""
     return 2.0 * x

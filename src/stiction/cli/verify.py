@@ -15,7 +15,7 @@ NUMBERS = ("expected", "measured", "error", "tolerance")
 
 def verify(
     cases: Annotated[list[str] | None, typer.Argument(help="Names of cases; all if left out.")] = None,
-    solver: Annotated[str | None, typer.Option(help="Solver to measure: soft (the default) or micro.")] = None,
+    solver: Annotated[str | None, typer.Option(help="Solver to measure: soft (the default), micro or exact.")] = None,
     dt: Annotated[float, typer.Option(help="Time step in s.")] = 1.0 / 60.0,
     json: Annotated[bool, typer.Option("--json", help="Print every measurement as JSON.")] = False,
     list_: Annotated[bool, typer.Option("--list", help="List the cases with formula and source.")] = False,
@@ -26,6 +26,13 @@ def verify(
     plot: Annotated[Path | None, typer.Option(help="With --against: draw the comparison (PNG, SVG or PDF).")] = None,
     html: Annotated[Path | None, typer.Option(help="With --against: write it as one HTML page.")] = None,
     markdown: Annotated[Path | None, typer.Option(help="With --against: write it as a Markdown page.")] = None,
+    fclib: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Solve the contact problems of a folder instead (FCLIB's or Siconos' files)."),
+    ] = None,
+    tolerance: Annotated[float, typer.Option(help="With --fclib: error at which a problem is solved.")] = 1e-6,
+    sweeps: Annotated[int, typer.Option(help="With --fclib: the most sweeps for a problem.")] = 100_000,
+    seconds: Annotated[float, typer.Option(help="With --fclib: wall time in s for a problem.")] = 30.0,
 ) -> None:
     """Measure closed-form cases and compare; exit status 1 if one fails that this solver should pass."""
     if against is not None:
@@ -36,6 +43,13 @@ def verify(
         return
     if plot or html or markdown:
         raise InvalidInputError("--plot, --html and --markdown go with --against.")
+    if fclib is not None:
+        if cases or solver is not None or list_:
+            raise InvalidInputError("--fclib DIR measures contact problems alone: name no cases, --solver or --list.")
+        from stiction.cli.verify_problems import verify_problems
+
+        verify_problems(fclib, tolerance=tolerance, sweeps=sweeps, seconds=seconds, json=json)
+
     from stiction.verify import all_cases, run, summarise
     from stiction.world import World
 
