@@ -79,7 +79,7 @@ class DiscEndsTogether(Case):
         "1.4 % and "
         "2.3 %; ends are seen once a step"
     )
-    solvers = ("soft",)
+    solvers = ("soft", "exact")
     SPEED: ClassVar = 3.0
     MU: ClassVar = 0.3
     RADIUS: ClassVar = 0.5
@@ -157,7 +157,7 @@ class BreakAwayWithTorque(Case):
         "the limit surface of a square is fitted within 0.5 % in any direction; beyond it by 1 % the face goes by "
         "millimetres in two seconds, and what holds stays where it is"
     )
-    solvers = ("soft",)
+    solvers = ("soft", "exact")
     MU: ClassVar = 0.5
     MASS: ClassVar = 10.0
     CENTERS: ClassVar = (0.1, 0.3, 0.6, 1.5)

@@ -211,7 +211,7 @@ class Arch(Case):
         "less than "
         "a twentieth of t_min together; what falls has gone by a stone's size after 4 s"
     )
-    solvers = ("soft",)
+    solvers = ("soft", "exact")
     STONES: ClassVar = 13
     RADIUS: ClassVar = 2.0
     MU: ClassVar = 0.8
