@@ -268,7 +268,11 @@ TABLE: dict[str, list[Row]] = {
         ),
     ],
     "Not there yet": [
-        Row("st.World(solver='exact')", "solver 'exact' is not there yet; this version has soft, micro.", NotYetError),
+        Row(
+            "st.World(solver='exact', threads=2)",
+            "threads must be 1 with solver 'exact', got 2.",
+            NotYetError,
+        ),
         Row(
             "st.World(solver='micro', substeps=4)",
             "substeps must be 1 with solver 'micro', got 4; use a smaller dt.",

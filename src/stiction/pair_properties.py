@@ -29,7 +29,7 @@ LABELS = {
 _UNITS = {"rolling": "m", "torsional": "m", "adhesion": "N", "adhesion_pressure": "Pa"}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class PairProperties:
     """What two materials do to each other where they touch.
 
@@ -68,6 +68,14 @@ class PairProperties:
         return (self.law, self.static_across, self.dynamic_across, self.adhesion, self.adhesion_pressure) == (
             Coulomb(), None, None, 0.0, 0.0
         )  # fmt: skip
+
+    def __repr__(self) -> str:
+        """The five numbers, what else it has, and the source."""
+        shown = [*PROPERTIES, *(name for name in EXTRAS if getattr(self, name))]
+        words = [f"{name}={getattr(self, name)!r}" for name in shown]
+        if self.law != Coulomb():
+            words.append(f"law={self.law!r}")
+        return f"PairProperties({', '.join(words)}, source={self.source!r})"
 
     def numbers(self) -> tuple[float, ...]:
         """The five numbers that every pair has, in the order of :data:`PROPERTIES`."""

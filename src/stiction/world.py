@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import math
-import warnings
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -13,21 +11,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stiction import checks
+from stiction.accounts import Accounts
 from stiction.body import Body
 from stiction.body_rows import check_mobility, code_and_size, mass_columns
 from stiction.contacts import CONTACT_DTYPE
-from stiction.errors import InvalidInputError, IterationLimitWarning, NotYetError, SimulationError
+from stiction.errors import InvalidInputError, NotYetError, SimulationError
 from stiction.events import ContactEvents, EventLog
 from stiction.materials import MaterialTable
 from stiction.pair_properties import PROPERTIES
 from stiction.queries import Queries
-from stiction.reports import Energy, SolverReport
 from stiction.shapes import Shape
 
 Array = NDArray[np.float64]
 
 SOLVERS = ("micro", "soft", "exact")
-AVAILABLE_SOLVERS = ("soft", "micro", "exact")
+DEFAULT_SOLVER = "soft"
 SUBSTEPS = {"micro": 1, "soft": 8, "exact": 1}
 """Parts of a step."""
 ITERATIONS = {"micro": 100, "soft": 100, "exact": 1000}
@@ -39,7 +37,7 @@ MOST_THREADS = 256
 MOBILITIES = ("static", "kinematic", "dynamic")
 
 
-class World(Queries):
+class World(Queries, Accounts):
     """A world of rigid bodies.
 
     Args:
@@ -83,9 +81,7 @@ class World(Queries):
     ) -> None:
         self._gravity = checks.vector("gravity", gravity)
         self._dt = checks.positive("dt", dt, "s")
-        self._solver = AVAILABLE_SOLVERS[0] if solver is None else checks.one_of("solver", solver, SOLVERS)
-        if self._solver not in AVAILABLE_SOLVERS:
-            raise NotYetError(f"solver {solver!r} is not there yet; this version has {', '.join(AVAILABLE_SOLVERS)}.")
+        self._solver = DEFAULT_SOLVER if solver is None else checks.one_of("solver", solver, SOLVERS)
         soft, micro = self._solver == "soft", self._solver == "micro"
         self._substeps = SUBSTEPS[self._solver] if substeps is None else checks.integer("substeps", substeps, minimum=1)
         if micro and self._substeps != 1:
@@ -443,72 +439,6 @@ class World(Queries):
             )
         return self._events.events(self._store.kinds[: len(self), self._state.SENSOR] != 0)
 
-    def energy(self) -> Energy:
-        """The ledger of energy, J."""
-        state, ledger = self._state, self._store.ledger
-        kinetic, potential = self._store.energy(self._gravity)
-        initial, edits = float(ledger[state.INITIAL]), float(ledger[state.EDITS])
-        if math.isnan(initial):
-            initial = kinetic + potential
-        else:
-            edits += kinetic + potential - float(ledger[state.MECHANICAL])
-        sums = (state.FRICTION, state.ROLLING_LOSS, state.IMPACTS, state.WORK)
-        friction, rolling, impacts, work = (float(ledger[k]) for k in sums)
-        numerical = float(ledger[state.NUMERICAL])
-        return Energy(kinetic, potential, friction, rolling, impacts, work, edits, numerical, initial)
-
-    def report(self) -> SolverReport:
-        """How much the solver worked, and whether it hit a limit."""
-        report = self._store.report
-        visits, hits = (tuple(int(x) for x in report[:, k]) for k in (self._state.VISITS, self._state.LIMITS))
-        worst = tuple(float(x) for x in report[:, self._state.WORST])
-        return SolverReport(visits, hits, worst)  # type: ignore[arg-type]  # three rows by construction
-
-    def residual(self) -> float:
-        """By how much the last step misses the laws of contact, m/s: 0 for one that is solved.
-
-        It is the largest speed, over all contacts, by which velocities differ from what Signorini's condition and
-        Coulomb's law ask for given the impulses of the last substep: a point that closes, or that parts under load, or
-        slip that friction would still take away. ``exact`` brings it below its tolerance; in ``soft`` contacts are
-        springs on purpose, and it says how far that is from a rigid one.
-
-        Raises:
-            NotYetError: in a world of ``micro``, whose :meth:`report` has the largest error.
-        """
-        if self._solver == "micro":
-            raise NotYetError("residual is not there yet with solver 'micro'; report() has its largest error.")
-        return self._store.miss(self._settings)
-
-    def residual_log(self) -> Array:
-        """The residuals on the way to a solution in the last substep of ``exact``, m/s: after the first pass, and then
-        after every fifth.
-
-        Raises:
-            NotYetError: with another solver.
-        """
-        if self._solver != "exact":
-            raise NotYetError(f"residual_log is not there with solver {self._solver!r}; solver 'exact' has it.")
-        return self._store.miss_log()
-
-    def profile(self, steps: int) -> dict[str, float]:
-        """Take steps, and tell how long each stage of them took, in ms a step.
-
-        Of several steps the first one is not counted: it may have to compile.
-
-        Raises:
-            InvalidInputError: steps is not a whole number, 1 or more.
-            NotYetError: in a world of ``micro``.
-        """
-        count = checks.integer("steps", steps, minimum=1)
-        if self._solver == "micro":
-            raise NotYetError(f"profile is not there yet with solver {self._solver!r}; solver 'soft' has it.")
-        if count > 1:
-            self.step()
-            count -= 1
-        self._store.reset_profile()
-        self.step(count)
-        return {stage: 1e3 * seconds / count for stage, seconds in self._store.profile().items()}
-
     def state_hash(self) -> str:
         """A hash of time, positions, orientations and velocities of all bodies, bit for bit."""
         digest = hashlib.blake2b(str(self.steps).encode(), digest_size=16)
@@ -550,25 +480,6 @@ class World(Queries):
         if material not in self._material_names:
             self._material_names.append(material)
         return self._material_names.index(material)
-
-    def _warn_of_limit(self) -> None:
-        self._warned = True
-        report = self.report()
-        stages = ("penetrations", "impacts", "resting contact")
-        hit = ", ".join(
-            f"{stage} ({error:.2g} {unit} left)"
-            for stage, count, error, unit in zip(
-                stages, report.limit_hits, report.worst, ("m", "m/s", "m/s"), strict=True
-            )
-            if count
-        )
-        unit = "passes a substep" if self._solver == "exact" else "iterations a contact"
-        warnings.warn(
-            f"step {self.steps}: the limit of {self._iterations} {unit} was hit in {hit}; "
-            f"world.report() counts how often.",
-            IterationLimitWarning,
-            stacklevel=3,
-        )
 
     def _read(self, index: int, column: str, width: int) -> Array:
         start: int = getattr(self._state, column)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import stiction as st
-from stiction import InvalidInputError, MaterialWarning, NotYetError
+from stiction import BrushTyre, InvalidInputError, MaterialWarning
 from stiction.scene import Scene, builtin_names, builtin_text, json_schema, load
 
 HEAD = 'title = "t"\nexpect = "e."\nduration = 1.0\n'
@@ -360,9 +360,37 @@ def test_every_shape_is_read_and_built(shape: str, tmp_path: Path) -> None:
     assert shape.split('"')[1] == scene.build()["b"].shape.kind
 
 
-def test_a_solver_that_is_not_there_yet_is_told_by_the_world(tmp_path: Path) -> None:
-    with pytest.raises(NotYetError, match=r"^world: solver 'exact' is not there yet"):
-        scene_of(tmp_path, HEAD + '[world]\nsolver = "exact"\n').build()
+def test_every_solver_is_built_with_its_own_limits(tmp_path: Path) -> None:
+    for solver in ("soft", "micro", "exact"):
+        assert scene_of(tmp_path, HEAD + f'[world]\nsolver = "{solver}"\n').build().solver == solver
+
+
+LAWS = """
+[[materials.pairs]]
+a = "tyre"
+b = "road"
+static = 1.0
+dynamic = 0.9
+static_across = 0.8
+dynamic_across = 0.7
+adhesion = 2.0
+law = {kind = "brush", stiffness = 15.0}
+
+[[bodies]]
+name = "wheel"
+material = "tyre"
+grain = [0, 2, 0]
+shape = {type = "sphere", radius = 0.3}
+"""
+
+
+def test_laws_and_grain_are_read(tmp_path: Path) -> None:
+    world = scene_of(tmp_path, HEAD + LAWS).build()
+    pair = world.materials.pair("road", "tyre")
+    assert pair.law == BrushTyre(15.0)
+    assert (pair.static_across, pair.dynamic_across, pair.adhesion) == (0.8, 0.7, 2.0)
+    with pytest.raises(InvalidInputError, match="did you mean 'brush'"):
+        scene_of(tmp_path, (HEAD + LAWS).replace('"brush"', '"brsh"')).build()
 
 
 def test_a_scene_that_does_not_exist(tmp_path: Path) -> None:

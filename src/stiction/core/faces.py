@@ -211,6 +211,8 @@ def _keep_even(manifolds, apart, row, known, gu, gv, arm):
         evv = (evv - (sn * sn * uu + 2.0 * c * sn * uv + c * c * vv)) / calm
         if known.vv == 0.0:  # a line, of whose width nothing is known
             euv = evv = 0.0
+        if abs(euu) + abs(evv) > known.uu + known.vv:  # nearly two corners in one place: the formula alone is better
+            euu = euv = evv = 0.0
     manifolds[row, s.EVEN], manifolds[row, s.EVEN + 1], manifolds[row, s.EVEN + 2] = euu, euv, evv
     found = pressed(seen, Even(euu, euv, evv, 0.0, known.u, known.v), is_round).torque
     manifolds[row, s.ARM] = (arm / found - 1.0) * k / calm

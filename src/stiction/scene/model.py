@@ -53,8 +53,8 @@ class WorldTable(Table):
     """Time step, s."""
     solver: Annotated[Literal["micro", "soft", "exact"], fields.word(*SOLVERS)] = "soft"
     """The solver."""
-    iterations: Annotated[int, Field(ge=1), fields.whole(1)] = 100
-    """How often a contact may be resolved in a stage of a step, on average."""
+    iterations: Annotated[int, Field(ge=1), fields.whole(1)] | None = None
+    """How often a contact may be resolved in a stage of a step, on average; passes a substep of exact."""
     micro_literal: Flag = False
     """Use the slides' friction word for word."""
     restitution_threshold: fields.Speed = 0.25

@@ -29,6 +29,7 @@ NEWTON_STEPS = 12
 SETTLED = 1e-3
 """A Newton step shorter than this leaves an error of about its square: rounding, in single precision."""
 RADIAL_STEPS = 2
+LEAST_B = -0.146
 TINY = 1e-18
 FAR = 1.4
 """Every surface lies inside the ball of this radius squared, and Phi grows along every ray until there."""
@@ -151,11 +152,12 @@ def onto_surface(g, k):
     Only a length of one keeps B, which is of sixth order, within bounds.
     """
     g = g * (1.0 / sqrt(dot(g, g) + TINY))
-    B = phi(g, k) - 1.0
+    # all surfaces lie inside FAR, so B is above this; a g of nothing is at -1, where there is no root
+    B = greatest(phi(g, k) - 1.0, LEAST_B)
     s = (1.0 + B * (4.48 + 1.12 * B)) / (1.0 + B * (5.46 + 3.31 * B))  # within 4e-3
     for _ in range(RADIAL_STEPS):
         s = s - (s + B * s * s * s - 1.0) / (1.0 + 3.0 * B * s * s)
-    return g * sqrt(s)
+    return g * sqrt(greatest(s, 0.0))
 
 
 @jit

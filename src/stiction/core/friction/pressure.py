@@ -38,6 +38,8 @@ ROUND_F = 14.48 + 0.115 * ELLIPSE
 CAP_A, CAP_B = 0.89, 0.529
 """Coefficients of an even round cap."""
 TINY = 1e-30
+THINNEST = 1e-16
+"""Determinant of M^-1 over the square of its trace: of a strip 10^8 times as long as wide."""
 
 
 class Turn(NamedTuple):
@@ -261,12 +263,14 @@ def pressed(seen, even, is_round):
     wuu = f * seen.uu + h * seen.mu * seen.mu + part * euu
     wuv = f * seen.uv + h * seen.mu * seen.mv + part * euv
     wvv = f * seen.vv + h * seen.mv * seen.mv + part * evv
-    det = wuu * wvv - wuv * wuv
+    # what is known of an odd face may leave no pressure at all; a patch is never taken to be narrower than that
+    trace = greatest(wuu + wvv, 0.0)
+    det = greatest(wuu * wvv - wuv * wuv, THINNEST * trace * trace)
     over = 1.0 / greatest(det, TINY)
     uu, uv, vv = wvv * over, -wuv * over, wuu * over
 
     # principal axes, the longer one first; a patch that has none keeps the axes it is given in
-    apart, mixed, total = uu - vv, 2.0 * uv, uu + vv
+    apart, mixed, total = uu - vv, 2.0 * uv, trace * over
     width = sqrt(apart * apart + mixed * mixed)
     axes = width > ISOTROPIC * total
     cos2 = apart / greatest(width, TINY)
@@ -279,7 +283,7 @@ def pressed(seen, even, is_round):
     q, kappa = arm_of_pressure(Mu, least(Mv, Mu))
     # a line that is loaded off its middle, as two corners of a face: there f and h leave the patch too long
     line = greatest(1.0 - 20.0 * q, 0.0) * greatest(-j, 0.0) * greatest(least(5.0 * t - 2.0, 1.0), 0.0)
-    torque = kappa * sqrt(Mu + Mv) * (arm + calm * even.arm) * (1.0 - 0.08 * line)
+    torque = kappa * sqrt(Mu + Mv) * greatest(least(arm + calm * even.arm, 1.3), 0.7) * (1.0 - 0.08 * line)
 
     # how lopsided the pressure is: where its centre lies in the face, and that of an even load
     # (M^1/2 m; at a border m is long, and what it has along u would be lost in it: there by way of M m)

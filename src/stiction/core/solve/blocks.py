@@ -216,7 +216,8 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, sof
     size2 = x.a * x.a + x.b * x.b + x.c * x.c + x.d * x.d + y.a * y.a + y.b * y.b + y.c * y.c + y.d * y.d
     is_face = patch.torque * patch.torque > POINT_TORQUE * POINT_TORQUE * size2
     torsional = gf[4] / greatest(ga[7], 1e-6)
-    Tm = select(is_face, patch.torque, zero)
+    # no mean arm is longer than the root of the sum of the squares of all
+    Tm = select(is_face, least(patch.torque, sqrt(size2)), zero)
     Tm = sqrt(Tm * Tm + torsional * torsional)
     # a point has no direction: with torsional resistance it is a small round cap
     surface = patch.surface

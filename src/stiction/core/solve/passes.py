@@ -42,20 +42,9 @@ def run_passes(
     first, last = share(team, worker, 0, count)
     for i in range(first, last):
         prepare_block(
-            i,
-            blocks,
-            index,
-            count,
-            manifolds,
-            soft.corners,
-            aux,
-            h,
-            beta,
-            compliance,
-            beta_stiff,
-            compliance_stiff,
+            i, blocks, index, count, manifolds, soft.corners, aux, h, beta, compliance, beta_stiff, compliance_stiff,
             laws,
-        )
+        )  # fmt: skip
     meet(team)
     for r in range(rounds):
         first, last = blocks_of(sizes, r, count, team, worker)

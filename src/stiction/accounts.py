@@ -1,0 +1,121 @@
+"""What a world tells of itself: energy, how much its solver worked, and how well. Part of :class:`stiction.World`."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction import checks
+from stiction.errors import IterationLimitWarning, NotYetError
+from stiction.reports import Energy, SolverReport
+
+if TYPE_CHECKING:
+    from stiction.store import Store
+
+Array = NDArray[np.float64]
+
+
+class Accounts:
+    """The accounts of a world: nothing here changes it but :meth:`profile`, which takes steps."""
+
+    _store: Store
+    _state: Any
+    _settings: Any
+    _solver: str
+    _gravity: Array
+    _iterations: int
+    _warned: bool
+
+    if TYPE_CHECKING:
+
+        def step(self, n: int = 1) -> None:
+            """Take steps."""
+
+    def energy(self) -> Energy:
+        """The ledger of energy, J."""
+        state, ledger = self._state, self._store.ledger
+        kinetic, potential = self._store.energy(self._gravity)
+        initial, edits = float(ledger[state.INITIAL]), float(ledger[state.EDITS])
+        if math.isnan(initial):
+            initial = kinetic + potential
+        else:
+            edits += kinetic + potential - float(ledger[state.MECHANICAL])
+        sums = (state.FRICTION, state.ROLLING_LOSS, state.IMPACTS, state.WORK)
+        friction, rolling, impacts, work = (float(ledger[k]) for k in sums)
+        numerical = float(ledger[state.NUMERICAL])
+        return Energy(kinetic, potential, friction, rolling, impacts, work, edits, numerical, initial)
+
+    def report(self) -> SolverReport:
+        """How much the solver worked, and whether it hit a limit."""
+        report = self._store.report
+        visits, hits = (tuple(int(x) for x in report[:, k]) for k in (self._state.VISITS, self._state.LIMITS))
+        worst = tuple(float(x) for x in report[:, self._state.WORST])
+        return SolverReport(visits, hits, worst)  # type: ignore[arg-type]  # three rows by construction
+
+    def residual(self) -> float:
+        """By how much the last step misses the laws of contact, m/s: 0 for one that is solved.
+
+        It is the largest speed, over all contacts, by which velocities differ from what Signorini's condition and
+        Coulomb's law ask for given the impulses of the last substep: a point that closes, or that parts under load, or
+        slip that friction would still take away. ``exact`` brings it below its tolerance; in ``soft`` contacts are
+        springs on purpose, and it says how far that is from a rigid one.
+
+        Raises:
+            NotYetError: in a world of ``micro``, whose :meth:`report` has the largest error.
+        """
+        if self._solver == "micro":
+            raise NotYetError("residual is not there yet with solver 'micro'; report() has its largest error.")
+        return self._store.miss(self._settings)
+
+    def residual_log(self) -> Array:
+        """The residuals on the way to a solution in the last substep of ``exact``, m/s: after the first pass, and then
+        after every fifth.
+
+        Raises:
+            NotYetError: with another solver.
+        """
+        if self._solver != "exact":
+            raise NotYetError(f"residual_log is not there with solver {self._solver!r}; solver 'exact' has it.")
+        return self._store.miss_log()
+
+    def profile(self, steps: int) -> dict[str, float]:
+        """Take steps, and tell how long each stage of them took, in ms a step.
+
+        Of several steps the first one is not counted: it may have to compile.
+
+        Raises:
+            InvalidInputError: steps is not a whole number, 1 or more.
+            NotYetError: in a world of ``micro``.
+        """
+        count = checks.integer("steps", steps, minimum=1)
+        if self._solver == "micro":
+            raise NotYetError(f"profile is not there yet with solver {self._solver!r}; solver 'soft' has it.")
+        if count > 1:
+            self.step()
+            count -= 1
+        self._store.reset_profile()
+        self.step(count)
+        return {stage: 1e3 * seconds / count for stage, seconds in self._store.profile().items()}
+
+    def _warn_of_limit(self) -> None:
+        self._warned = True
+        report = self.report()
+        stages = ("penetrations", "impacts", "resting contact")
+        hit = ", ".join(
+            f"{stage} ({error:.2g} {unit} left)"
+            for stage, count, error, unit in zip(
+                stages, report.limit_hits, report.worst, ("m", "m/s", "m/s"), strict=True
+            )
+            if count
+        )
+        unit = "passes a substep" if self._solver == "exact" else "iterations a contact"
+        warnings.warn(
+            f"step {self._store.steps}: the limit of {self._iterations} {unit} was hit in {hit}; "
+            f"world.report() counts how often.",
+            IterationLimitWarning,
+            stacklevel=3,
+        )
