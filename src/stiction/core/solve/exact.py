@@ -23,10 +23,10 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.friction.laws import scaled_slip
-from stiction.core.friction.patch import choose3, level, slide, times
+from stiction.core.friction.patch import Surface, choose3, level, slide, times
 from stiction.core.jit import entry, jit
 from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, least, load, select, size_of, sqrt, store
-from stiction.core.solve.blocks import get3, get4, get6, surface_at
+from stiction.core.solve.blocks import get3, get4, get6
 from stiction.core.solve.normals import Four
 from stiction.core.solve.soft import allowed, frame_of, gaps_now, solve_block, twist_of, unit_of
 from stiction.core.vec import Vec3, dot, transpose
@@ -167,7 +167,10 @@ def miss_of_block(i, blocks, index, count, rows, h, laws, moved):
 
     px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
     F, Fi = get6(blocks, o + s.B_FRICTION), get6(blocks, o + s.B_FRICTION_INVERSE)
-    surface = surface_at(blocks, o)
+    surface = Surface(
+        load(blocks, o + s.B_SURFACE), load(blocks, o + s.B_SURFACE + 1), load(blocks, o + s.B_SURFACE + 2),
+        load(blocks, o + s.B_SURFACE + 3),
+    )  # fmt: skip
     belt = get3(blocks, o + s.B_BELT)
     if not moved:
         belt = belt + Vec3(load(blocks, o + s.B_DRIFT) * h, load(blocks, o + s.B_DRIFT + 1) * h, belt.z - belt.z)
@@ -182,7 +185,7 @@ def miss_of_block(i, blocks, index, count, rows, h, laws, moved):
     inside = level(stick * unit, surface) <= 1.0
     if not all_of(inside):
         g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, ~inside)
-        stick = choose3(inside, stick, choose3(limit > 0.0, g * limit, pull - pull))
+        stick = choose3(inside, stick, g * limit)
     change = times(F, stick - pull)
     tangential = dot(change, change)
     if laws is not None:

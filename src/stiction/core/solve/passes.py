@@ -41,10 +41,7 @@ def run_passes(
     rounds = count_rounds(sizes, team)
     first, last = share(team, worker, 0, count)
     for i in range(first, last):
-        prepare_block(
-            i, blocks, index, count, manifolds, soft.corners, aux, h, beta, compliance, beta_stiff, compliance_stiff,
-            laws,
-        )  # fmt: skip
+        prepare_block(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff, laws)
     meet(team)
     for r in range(rounds):
         first, last = blocks_of(sizes, r, count, team, worker)

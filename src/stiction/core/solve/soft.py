@@ -16,11 +16,11 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.friction.laws import any_yields, follow_slip, real_force, scaled_slip, yielding
-from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slide, times
+from stiction.core.friction.patch import Surface, Sym3, choose3, inverse_sym, level, slide, times
 from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, load, scatter, select, size_of, store
-from stiction.core.solve.blocks import get3, get4, get6, put3, put4, surface_at
+from stiction.core.solve.blocks import get3, get4, get6, put3, put4
 from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
 from stiction.core.vec import Vec3, columns, cross, dot, transpose
 
@@ -213,7 +213,10 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
     k1, k2, k3 = get3(blocks, o + s.B_KWV), get3(blocks, o + s.B_KWV + 3), get3(blocks, o + s.B_KWV + 6)
     px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
     F, Fi = get6(blocks, o + s.B_FRICTION), get6(blocks, o + s.B_FRICTION_INVERSE)
-    surface = surface_at(blocks, o)
+    surface = Surface(
+        load(blocks, o + s.B_SURFACE), load(blocks, o + s.B_SURFACE + 1), load(blocks, o + s.B_SURFACE + 2),
+        load(blocks, o + s.B_SURFACE + 3),
+    )  # fmt: skip
     mu_s, mu_d = load(blocks, o + s.B_MU_S), load(blocks, o + s.B_MU_D)
     rigid, left0 = load(blocks, o + s.B_RIGID), load(blocks, o + s.B_LEFT)
     belt = get3(blocks, o + s.B_BELT)
@@ -327,8 +330,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
             unit = unit_of(limit, stick)
             # the problem divided by the limit: A = F, so numbers stay near one whatever the masses
             g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, ~inside)
-            # without a load there is no friction, and no g
-            stick = choose3(inside, stick, choose3(limit > 0.0, g * limit, pull - pull))
+            stick = choose3(inside, stick, g * limit)
         if cold or sweep > 0:
             stick = choose3(going, stick, pull)
         df = real_force(blocks, o, stick - pull, laws)
