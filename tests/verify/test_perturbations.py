@@ -171,6 +171,8 @@ CHANGES: dict[str, tuple[Change, str]] = {
         for name in names.split()
         for solver in CASES[name].solvers
         if solver not in CASES[name].known_limit
+        # what never comes to rest costs the exact solver all its passes in every step of a minute, and shows no more
+        if not (solver == "exact" and change.startswith("everything keeps"))
     ],
 )
 def test_a_small_change_of_the_physics_is_noticed(
