@@ -143,14 +143,10 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
     Ra, Rb = mat33(pose, a + 1, s.POSE_ROTATION), mat33(pose, b + 1, s.POSE_ROTATION)
     xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
     n = vec3(contacts, 0, NORMAL)
-    center, deepest = vec3(contacts, 0, POINT), 0
+    center = vec3(contacts, 0, POINT)
     for k in range(1, found):
         center = center + vec3(contacts, k, POINT)
-        if contacts[k, SEPARATION] < contacts[deepest, SEPARATION]:
-            deepest = k
-    # at the height of what touches: friction has its arm from there, not from half way to points that are only near
     center = center * (1.0 / found)
-    center = center + n * dot(n, vec3(contacts, deepest, POINT) - center)
 
     fresh = meta[row, s.POINTS] == 0
     same = meta[row, s.POINTS] == found

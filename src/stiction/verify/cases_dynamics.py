@@ -64,8 +64,8 @@ class SlidingRod(Case):
     }
     known_limit: ClassVar = {
         "exact": (
-            "the load of a rod close to Painlevé's coefficient grows with its spin, which a step of exact, not cut into "
-            "substeps, sees as it was: of first order in dt, 0.5 % of the way at 1/240 s and 0.6 mu_P"
+            "the load of a rod close to Painlevé's coefficient grows with its spin, which a step of exact, not cut "
+            "into substeps, sees as it was: of first order in dt, 0.5 % of the way at 1/240 s and 0.6 mu_P"
         ),
     }
     LENGTH: ClassVar = 2.0
