@@ -322,10 +322,11 @@ def keep_place(manifolds, reports, row, Ra, dt):
     """
     shift = vec3(manifolds, row, s.SHIFT)
     back = Vec3(0.0, 0.0, 0.0)
-    load = (manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1]) + (
-        manifolds[row, s.LOAD + 2] + manifolds[row, s.LOAD + 3]
-    )
-    if manifolds[row, s.STATE] != s.STUCK or load <= 0.0:
+    # a face that rocks turns about its edge, and its middle goes aside
+    lies = manifolds[row, s.STATE] == s.STUCK
+    for k in range(int(manifolds[row, s.COUNT])):
+        lies = lies and manifolds[row, s.LOAD + k] > 0.0
+    if not lies:
         reports[row, s.HELD] = 0.0
     elif reports[row, s.HELD] == 0.0:
         reports[row, s.HELD] = 1.0
