@@ -65,6 +65,8 @@ NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
 PULL_BACK = 0.1
 """Of the way that a face that sticks has crept, in a step."""
+CREEP = 0.002
+"""Of the motion that a manifold is kept for: what has gone farther aside did not creep, and takes hold where it is."""
 LEAP = 0.3
 """Of its arm: a point of contact that went farther in a step did not roll there."""
 
@@ -304,7 +306,7 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, d
     if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
         put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
     elif meta[row, s.POINTS] > 2.0:
-        keep_place(manifolds, reports, row, mat33(pose, a + 1, s.POSE_ROTATION), dt)
+        keep_place(manifolds, meta, reports, row, mat33(pose, a + 1, s.POSE_ROTATION), dt)
     if kinds[a, MOBILITY] == KINEMATIC or kinds[b, MOBILITY] == KINEMATIC:
         # a turntable carries its surface round while the arms of a step stand still
         turning = carried_round(bodies, kinds, a, b) - carried_round(bodies, kinds, b, a)
@@ -314,7 +316,7 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, d
 
 
 @jit
-def keep_place(manifolds, reports, row, Ra, dt):
+def keep_place(manifolds, meta, reports, row, Ra, dt):
     """Pull a face that sticks back to where it took hold: as a velocity of the surface of a, by a part a step.
 
     What rounding makes creep, 1e-6 m in ten minutes, so stays where it is for hours. Friction has to give that pull as
@@ -328,13 +330,15 @@ def keep_place(manifolds, reports, row, Ra, dt):
         lies = lies and manifolds[row, s.LOAD + k] > 0.0
     if not lies:
         reports[row, s.HELD] = 0.0
-    elif reports[row, s.HELD] == 0.0:
-        reports[row, s.HELD] = 1.0
-        put_vec3(reports, row, s.PLACE, transpose(Ra) @ shift)
     else:
         n = Ra @ vec3(manifolds, row, s.NORMAL_A)
         off = shift - Ra @ vec3(reports, row, s.PLACE)
-        back = (off - n * dot(n, off)) * (-PULL_BACK / dt)
+        off = off - n * dot(n, off)
+        if reports[row, s.HELD] > 0.0 and length(off) < CREEP * meta[row, s.LIMIT]:
+            back = off * (-PULL_BACK / dt)
+        else:
+            reports[row, s.HELD] = 1.0
+            put_vec3(reports, row, s.PLACE, transpose(Ra) @ shift)
     put_vec3(manifolds, row, s.BELT, back)
 
 
