@@ -110,16 +110,14 @@ def test_grain_makes_an_ellipse_of_the_static_limit(heading):
 
 def test_grain_in_a_spin():
     """A crate that spins on a surface with grain: the torque is mu N times the mean of |E J x| over the face."""
-    world = world_on(table(static=0.3, dynamic=0.3, static_across=0.9, dynamic_across=0.9))
-    world.bodies  # noqa: B018 -- the floor has the grain, the crate turns over it
-    floor_world = st.World(materials=world.materials)
-    floor_world.add(st.Box((10, 10, 1)), static=True, position=(0, 0, -0.5), material="floor", grain=(1, 0, 0))
-    crate = slab(floor_world, angular_velocity=(0, 0, 10))
-    dt, before = floor_world.dt, None
-    seen = []
+    world = st.World(materials=table(static=0.3, dynamic=0.3, static_across=0.9, dynamic_across=0.9))
+    # the floor has the grain, and the crate turns over it
+    world.add(st.Box((10, 10, 1)), static=True, position=(0, 0, -0.5), material="floor", grain=(1, 0, 0))
+    crate = slab(world, angular_velocity=(0, 0, 10))
+    dt, seen = world.dt, []
     for _ in range(40):
         before = crate.angular_velocity[2]
-        floor_world.step()
+        world.step()
         seen.append((before - crate.angular_velocity[2]) / dt)
     # the mean over a turn of the crate: |E J x| of a square face, averaged over its orientation
     n = 200

@@ -15,21 +15,15 @@ from stiction.bench import Outcome, Plan, Row, Table, report, run_plan
 from stiction.bench.single import Task
 from stiction.bench.stability import Stability
 from stiction.bench.worker import run_apart
-from stiction.cli import main as cli
+
+from .support import call as call_command
 
 TINY = ("--against", "none", "--steps", "3", "--settle", "2", "--runs", "2", "--in-process")
 
 
 def call(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     """Exit status of ``stiction bench ARGUMENTS``, run in this process."""
-    monkeypatch.setattr(sys, "argv", ["stiction", "bench", *arguments])
-    monkeypatch.setattr("warnings.showwarning", lambda *_, **__: None)
-    monkeypatch.setattr("warnings.simplefilter", lambda *_, **__: None)
-    try:
-        cli.main()
-    except SystemExit as end:
-        return int(end.code or 0)
-    return 0
+    return call_command(monkeypatch, "bench", *arguments)
 
 
 @pytest.mark.filterwarnings("ignore")

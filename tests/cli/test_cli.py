@@ -12,21 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from stiction.cli import main as cli
 from stiction.record.hdf5 import load_frames
 
-
-def call(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    """Exit status of ``stiction ARGUMENTS``, run in this process."""
-    monkeypatch.setattr(sys, "argv", ["stiction", *arguments])
-    # the command shows warnings in its own way; put back afterwards what it sets for that
-    monkeypatch.setattr("warnings.showwarning", lambda *_, **__: None)
-    monkeypatch.setattr("warnings.simplefilter", lambda *_, **__: None)
-    try:
-        cli.main()
-    except SystemExit as end:
-        return int(end.code or 0)
-    return 0
+from .support import call
 
 
 def test_run_prints_a_table_and_writes_what_was_asked_for(

@@ -3,27 +3,15 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stiction.cli import main as cli
 from stiction.problems import ContactProblem
 from stiction.verify import problems
 
-
-def call(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
-    """Exit status of ``stiction ARGUMENTS``, run in this process."""
-    monkeypatch.setattr(sys, "argv", ["stiction", *arguments])
-    monkeypatch.setattr("warnings.showwarning", lambda *_, **__: None)
-    monkeypatch.setattr("warnings.simplefilter", lambda *_, **__: None)
-    try:
-        cli.main()
-    except SystemExit as end:
-        return int(end.code or 0)
-    return 0
+from .support import call
 
 
 @pytest.fixture
@@ -71,7 +59,7 @@ def test_ctrl_c_keeps_what_is_done(
     def interrupted(*arguments: object, **options: object) -> problems.ProblemResult:
         if arguments[1] == "second":
             raise KeyboardInterrupt
-        return whole(*arguments, **options)  # type: ignore[arg-type]
+        return whole(*arguments, **options)  # type: ignore[arg-type]  # passed on
 
     whole = problems.measure
     monkeypatch.setattr(problems, "measure", interrupted)

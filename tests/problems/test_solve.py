@@ -138,7 +138,7 @@ def test_the_log_tells_the_way(rng: np.random.Generator) -> None:
 def test_the_same_call_gives_the_same_bits(rng: np.random.Generator) -> None:
     problem = random_problem(rng, 6, 20)
     for how in ({}, {"order": "random", "seed": 3}, {"method": "newton"}):
-        first, second = (solve(problem, tolerance=1e-9, **how) for _ in range(2))  # type: ignore[arg-type]
+        first, second = (solve(problem, tolerance=1e-9, **how) for _ in range(2))  # type: ignore[arg-type]  # options by name
         assert first.r.tobytes() == second.r.tobytes() and first.log.tobytes() == second.log.tobytes()
 
 

@@ -115,7 +115,7 @@ class _Equations:
     def at(self, x: Vector) -> tuple[Vector, Vector, Vector]:
         """Residual F (n, 3), and blocks A, B (n, 3, 3) of its generalised derivative dF = A dx + B du."""
         mu = self.sweeps.mu
-        u = (self.W @ x.ravel()).reshape(-1, 3) + self.q  # type: ignore[operator]
+        u = (self.W @ x.ravel()).reshape(-1, 3) + self.q  # type: ignore[operator]  # scipy has no types
         y = x - self.rho * u
         normal = np.maximum(y[:, 0], 0.0)
         radius, planar = mu * normal, np.hypot(y[:, 1], y[:, 2])
