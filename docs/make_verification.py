@@ -1,4 +1,4 @@
-"""Rewrite the tables of verification.md from runs: ``python docs/make_verification.py`` (about two minutes).
+"""Rewrite the tables of verification.md from runs: ``python docs/make_verification.py`` (about five minutes).
 
 Everything between two markers ``<!-- NAME: begin -->`` and ``<!-- NAME: end -->`` is replaced, the rest stays as it is.
 """
@@ -14,17 +14,18 @@ from pathlib import Path
 from stiction import verify
 
 PAGE = Path(__file__).with_name("verification.md")
-SOLVERS = ("soft", "micro")
 COARSE, FINE = 1.0 / 60.0, 1.0 / 240.0
+STEPS = {"soft": (COARSE, FINE), "micro": (COARSE, FINE), "exact": (FINE,)}
+"""Time steps of each solver, s; the tables of the cases have the first one."""
 
 Runs = dict[tuple[str, float], list[verify.Result]]
 
 
 def main() -> None:
-    """Run all cases with both solvers at two time steps and write the page."""
+    """Run all cases with all solvers and write the page."""
     runs: Runs = {}
-    for solver in SOLVERS:
-        for dt in (COARSE, FINE):
+    for solver, steps in STEPS.items():
+        for dt in steps:
             print(f"{solver}, dt = 1/{1.0 / dt:.0f} s", file=sys.stderr)
             runs[solver, dt] = verify.run(
                 solver=solver, dt=dt, progress=lambda name: print(f"  {name} ...", file=sys.stderr)
@@ -61,8 +62,8 @@ def _overview(runs: Runs) -> Iterable[str]:
     yield "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
     for case in verify.all_cases():
         name, formula = f"[{case.name}](#{case.name})", _code(case.formula)
-        for solver in SOLVERS:
-            own = [row for row in runs[solver, COARSE] if row.case == case.name and not row.known_limit]
+        for solver, (dt, *_) in STEPS.items():
+            own = [row for row in runs[solver, dt] if row.case == case.name and not row.known_limit]
             if not own:
                 continue
             worst = max(own, key=_share)
@@ -97,11 +98,13 @@ def _limits(runs: Runs) -> Iterable[str]:
     """One line a known limit, its size at both time steps; then the reasons."""
     yield "| solver | case | what | expected | tolerance | at 1/60 s | at 1/240 s |"
     yield "| --- | --- | --- | --- | --- | --- | --- |"
-    for solver in SOLVERS:
-        coarse, fine = ([row for row in runs[solver, dt] if row.known_limit] for dt in (COARSE, FINE))
-        for row, other in zip(coarse, fine, strict=True):
+    for solver, steps in STEPS.items():
+        found = [[row for row in runs[solver, dt] if row.known_limit] for dt in steps]
+        for row, *others in zip(*found, strict=True):
             what = _cell(row.what.partition(" (")[0])  # a case may name its worst run in brackets, which depends on dt
-            numbers = f"{row.expected:.4g} {row.unit} | {row.tolerance:.1e} | {_size(row)} | {_size(other)}"
+            sizes = [_size(row), *map(_size, others)]
+            sizes = ["", *sizes] if len(sizes) == 1 else sizes
+            numbers = f"{row.expected:.4g} {row.unit} | {row.tolerance:.1e} | {' | '.join(sizes)}"
             yield f"| `{solver}` | [{row.case}](#{row.case}) | {what} | {numbers} |"
     yield ""
     for case in verify.all_cases():
@@ -116,10 +119,10 @@ def _size(row: verify.Result) -> str:
 
 
 def _cases(runs: Runs) -> Iterable[str]:
-    """A section a case, with the tolerances and the rows of both solvers."""
+    """A section a case, with the tolerances and the rows of all solvers."""
     of_case = {
-        solver: {name: list(group) for name, group in groupby(runs[solver, COARSE], key=lambda row: row.case)}
-        for solver in SOLVERS
+        solver: {name: list(group) for name, group in groupby(runs[solver, dt], key=lambda row: row.case)}
+        for solver, (dt, *_) in STEPS.items()
     }
     for case in verify.all_cases():
         yield f"### {case.name}"
@@ -138,7 +141,7 @@ def _cases(runs: Runs) -> Iterable[str]:
         yield ""
         yield "| solver | what | expected | measured | error | tolerance | |"
         yield "| --- | --- | --- | --- | --- | --- | --- |"
-        for solver in SOLVERS:
+        for solver in STEPS:
             for row in of_case[solver].get(case.name, []):
                 mark = "pass" if row.passed else "known limit" if row.known_limit else "**FAIL**"
                 yield (

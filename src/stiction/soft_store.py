@@ -79,7 +79,6 @@ class SoftStore(Store):
         began = time.perf_counter()
         if table is not self._table:
             self._table = table
-            # the exact solver is for small worlds: fewer variants of the step are worth more to it than their speed
             self._bounces = bool(self._exact or table[:, :, state.RESTITUTION].any())
             self._laws = 1 if table.shape[2] > state.STATIC_ACROSS else None
             # whoever has laws compiles rolling resistance too: one variant of the step less
@@ -129,7 +128,8 @@ class SoftStore(Store):
 
     def _take(self, steps: int, settings: state.Settings, table: Array) -> Any:
         """Call the kernel: its reason to return, how many steps it took, and a number that goes with the reason."""
-        boxes_meet = 1 if self.boxes > 1 and self.dynamic_boxes else None
+        # the exact solver is for small worlds: fewer variants of the step are worth more to it than their speed
+        boxes_meet = 1 if self._exact or (self.boxes > 1 and self.dynamic_boxes) else None
         hulls = self.hulls.arrays if self.polytopes else None
         bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if self._bounces else ()
         if jit.config.DISABLE_JIT:

@@ -21,7 +21,7 @@ import math
 
 from stiction.core import soft_rows as s
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES, any_of, greatest, load, select, sqrt, store
+from stiction.core.lanes import LANES, greatest, load, select, sqrt, store
 from stiction.core.state import (
     ADHESION,
     ADHESION_PRESSURE,
@@ -189,12 +189,18 @@ def stretch(blocks, o, Mu, Mv):
 
 
 @jit
+def scaling_at(blocks, o):
+    """E of block o, from scaled forces to forces along u and v: xx, xy, yx, yy."""
+    k = o + s.B_SCALED
+    return load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3)
+
+
+@jit
 def scaled_slip(blocks, o, slip, laws):
     """E^T slip: what the slip is in scaled coordinates."""
     if laws is None:
         return slip
-    k = o + s.B_SCALED
-    xx, xy, yx, yy = load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3)
+    xx, xy, yx, yy = scaling_at(blocks, o)
     return Vec3(xx * slip.x + yx * slip.y, xy * slip.x + yy * slip.y, slip.z)
 
 
@@ -203,8 +209,7 @@ def real_force(blocks, o, g, laws):
     """E g: the force that a scaled one is."""
     if laws is None:
         return g
-    k = o + s.B_SCALED
-    xx, xy, yx, yy = load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3)
+    xx, xy, yx, yy = scaling_at(blocks, o)
     return Vec3(xx * g.x + xy * g.y, yx * g.x + yy * g.y, g.z)
 
 
@@ -223,15 +228,17 @@ def scaled_force(blocks, o, f, laws):
     """E^-1 f: the scaled force of a real one."""
     if laws is None:
         return f
-    k = o + s.B_SCALED
-    xx, xy, yx, yy = load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3)
+    xx, xy, yx, yy = scaling_at(blocks, o)
     d = 1.0 / (xx * yy - xy * yx)
     return Vec3((yy * f.x - xy * f.y) * d, (xx * f.y - yx * f.x) * d, f.z)
 
 
 @jit
 def follow_slip(i, blocks, index, count, rows, laws):
-    """Coefficients of block i for the next substep, from the slip that this one has left."""
+    """Coefficients of block i for the next substep, from the slip that this one has left.
+
+    ``rows`` has the velocities of the bodies in its first columns.
+    """
     kinds, table, _ = laws
     o = i * s.FIELDS
     for lane in range(LANES):
@@ -276,18 +283,6 @@ def wheel_speed(i, blocks, o, lane, index, count, rows, kinds):
         d = va + cross(wa, n * arm.x + u * arm.y + v * arm.z) - vb
     x, y = dot(d, u) + blocks[o + s.B_BELT, lane], dot(d, v) + blocks[o + s.B_BELT + 1, lane]
     return math.sqrt(x * x + y * y)
-
-
-@jit
-def yielding(alpha):
-    """Lanes whose friction gives way to slip, as that of a rolling tyre."""
-    return alpha > 0.0
-
-
-@jit
-def any_yields(alpha):
-    """Whether some lane does."""
-    return any_of(alpha > 0.0)
 
 
 @jit

@@ -14,8 +14,8 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.contact_space import inverse_mass_matrix, skew
-from stiction.core.friction.laws import prepare_laws, scaled_force, stretch
-from stiction.core.friction.patch import Sym3, arm_of_pressure, inverse_sym, surface_of
+from stiction.core.friction.laws import prepare_laws, scaled_force, scaling_at, stretch
+from stiction.core.friction.patch import Surface, Sym3, arm_of_pressure, inverse_sym, surface_of
 from stiction.core.jit import jit
 from stiction.core.lanes import gather, greatest, least, load, select, splat, sqrt, store
 from stiction.core.solve.normals import Four, Sym4, inverse_of_points, point_matrix
@@ -88,6 +88,20 @@ def put10(blocks, k, m):
     store(blocks, k + 7, m.cc)
     store(blocks, k + 8, m.cd)
     store(blocks, k + 9, m.dd)
+
+
+@jit
+def surface_at(blocks, o):
+    """The limit surfaces of block o."""
+    k = o + s.B_SURFACE
+    return Surface(load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3))
+
+
+@jit
+def vectors_of(rows, index, i, k):
+    """The vectors in columns k and k + 4 of the rows of eight bodies, which row i of ``index`` names."""
+    g = gather(rows, index, i, k)
+    return Vec3(g[0], g[1], g[2]), Vec3(g[4], g[5], g[6])
 
 
 @jit
@@ -263,8 +277,7 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     hv = Vec3(Kvv.xz + px * Kwv.xx, Kwv.yz + px * Kww.xy, Kwv.zz + px * Kww.xz)
     if laws is not None:
         # scaled forces: E^T K E, and H E
-        xx, xy = load(blocks, o + s.B_SCALED), load(blocks, o + s.B_SCALED + 1)
-        yx, yy = load(blocks, o + s.B_SCALED + 2), load(blocks, o + s.B_SCALED + 3)
+        xx, xy, yx, yy = scaling_at(blocks, o)
         au, av, bu, bv = kuu * xx + kuv * yx, kuv * xx + kvv * yx, kuu * xy + kuv * yy, kuv * xy + kvv * yy
         kuu, kuv, kvv = xx * au + yx * av, xx * bu + yx * bv, xy * bu + yy * bv
         kuz, kvz = xx * kuz + yx * kvz, xy * kuz + yy * kvz

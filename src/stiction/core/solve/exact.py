@@ -23,10 +23,10 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.friction.laws import scaled_slip
-from stiction.core.friction.patch import Surface, choose3, level, slide, times
+from stiction.core.friction.patch import choose3, level, slide, times
 from stiction.core.jit import entry, jit
-from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, least, load, select, size_of, sqrt, store
-from stiction.core.solve.blocks import get3, get4, get6
+from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, select, size_of, sqrt, store
+from stiction.core.solve.blocks import get3, get4, get6, surface_at, vectors_of
 from stiction.core.solve.normals import Four
 from stiction.core.solve.soft import allowed, frame_of, gaps_now, solve_block, twist_of, unit_of
 from stiction.core.vec import Vec3, dot, transpose
@@ -138,10 +138,9 @@ def miss_of_block(i, blocks, index, count, rows, h, laws, moved):
     """
     o = i * s.FIELDS
     C = transpose(frame_of(blocks, o))
-    a, b = gather(rows, index, i, s.ROW_V), gather(rows, index, i + count, s.ROW_V)
-    v, w = twist_of(
-        blocks, o, C, Vec3(a[0], a[1], a[2]), Vec3(a[4], a[5], a[6]), Vec3(b[0], b[1], b[2]), Vec3(b[4], b[5], b[6])
-    )
+    va, wa = vectors_of(rows, index, i, s.ROW_V)
+    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
+    v, w = twist_of(blocks, o, C, va, wa, vb, wb)
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
     gap = gaps_now(i, blocks, o, index, count, rows, C, x, y)
     closing = Four(
@@ -167,10 +166,7 @@ def miss_of_block(i, blocks, index, count, rows, h, laws, moved):
 
     px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
     F, Fi = get6(blocks, o + s.B_FRICTION), get6(blocks, o + s.B_FRICTION_INVERSE)
-    surface = Surface(
-        load(blocks, o + s.B_SURFACE), load(blocks, o + s.B_SURFACE + 1), load(blocks, o + s.B_SURFACE + 2),
-        load(blocks, o + s.B_SURFACE + 3),
-    )  # fmt: skip
+    surface = surface_at(blocks, o)
     belt = get3(blocks, o + s.B_BELT)
     if not moved:
         belt = belt + Vec3(load(blocks, o + s.B_DRIFT) * h, load(blocks, o + s.B_DRIFT + 1) * h, belt.z - belt.z)

@@ -46,7 +46,7 @@ def run_passes(
     for r in range(rounds):
         first, last = blocks_of(sizes, r, count, team, worker)
         for i in range(first, last):
-            warm_block(i, blocks, index, count, rows, laws)
+            warm_block(i, blocks, index, count, rows, aux, laws)
         meet(team)
     if fresh > NOTHING_NEW and exact is None:
         most = COLD_PASSES if fresh == SOME_NEW else max(COLD_PASSES, min(MOST_COLD_PASSES, MOST_COLD_WORK // count))

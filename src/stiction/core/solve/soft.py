@@ -15,12 +15,12 @@ substep, applied again, change velocities by as much as they did then: with v th
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.friction.laws import any_yields, follow_slip, real_force, scaled_slip, yielding
-from stiction.core.friction.patch import Surface, Sym3, choose3, inverse_sym, level, slide, times
+from stiction.core.friction.laws import follow_slip, real_force, scaled_slip
+from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slide, times
 from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES, all_of, any_of, gather, greatest, load, scatter, select, size_of, store
-from stiction.core.solve.blocks import get3, get4, get6, put3, put4
+from stiction.core.lanes import LANES, all_of, any_of, greatest, load, scatter, select, size_of, store
+from stiction.core.solve.blocks import get3, get4, get6, put3, put4, surface_at, vectors_of
 from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
 from stiction.core.vec import Vec3, columns, cross, dot, transpose
 
@@ -137,22 +137,27 @@ def twist_of(blocks, o, C, va, wa, vb, wb):
 
 
 @jit
-def warm_block(i, blocks, index, count, rows, laws):
+def warm_block(i, blocks, index, count, rows, aux, laws):
     """Apply the impulses that the manifolds of block i bring along from the step before."""
     o = i * s.FIELDS
     B = frame_of(blocks, o)
-    a, b = gather(rows, index, i, s.ROW_V), gather(rows, index, i + count, s.ROW_V)
-    va, wa = Vec3(a[0], a[1], a[2]), Vec3(a[4], a[5], a[6])
-    vb, wb = Vec3(b[0], b[1], b[2]), Vec3(b[4], b[5], b[6])
+    va, wa = vectors_of(rows, index, i, s.ROW_V)
+    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
     lam = get4(blocks, o + s.B_LOAD)
     pull = get3(blocks, o + s.B_PULL)
     px, py = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1)
-    v, w = twist_of(blocks, o, transpose(B), va, wa, vb, wb)
-    slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * load(blocks, o + s.B_TORQUE))
-    put3(blocks, o + s.B_SLIP, scaled_slip(blocks, o, slip + get3(blocks, o + s.B_BELT), laws))
+    C = transpose(B)
     if laws is not None:
-        follow_slip(i, blocks, index, count, rows, laws)
+        # the slip that the step before has left: that of now has what forces give in a substep, and no friction yet
+        old_va, old_wa = vectors_of(aux, index, i, s.AUX_OLD_V)
+        old_vb, old_wb = vectors_of(aux, index, i + count, s.AUX_OLD_V)
+        v, w = twist_of(blocks, o, C, old_va, old_wa, old_vb, old_wb)
+        keep_slip(blocks, o, v, w, px, py, laws)
+        follow_slip(i, blocks, index, count, aux, laws)
+    v, w = twist_of(blocks, o, C, va, wa, vb, wb)
+    keep_slip(blocks, o, v, w, px, py, laws)
+    if laws is not None:
         pull = real_force(blocks, o, pull, laws)
         lam = less4(lam, get4(blocks, o + s.B_ATTRACT))
     force = Vec3(lam.a + lam.b + lam.c + lam.d, pull.x, pull.y)
@@ -165,12 +170,18 @@ def warm_block(i, blocks, index, count, rows, laws):
 
 
 @jit
+def keep_slip(blocks, o, v, w, px, py, laws):
+    """Note the slip at the centre of pressure (px, py) of manifolds with velocity v and spin w at the anchor."""
+    slip = Vec3(v.y - w.x * py, v.z + w.x * px, w.x * load(blocks, o + s.B_TORQUE))
+    put3(blocks, o + s.B_SLIP, scaled_slip(blocks, o, slip + get3(blocks, o + s.B_BELT), laws))
+
+
+@jit
 def gaps_now(i, blocks, o, index, count, rows, C, x, y):
     """Separations of the points: those of the start of the step, less what a has come closer since."""
-    a, b = gather(rows, index, i, s.ROW_D), gather(rows, index, i + count, s.ROW_D)
-    d, turned = twist_of(
-        blocks, o, C, Vec3(a[0], a[1], a[2]), Vec3(a[4], a[5], a[6]), Vec3(b[0], b[1], b[2]), Vec3(b[4], b[5], b[6])
-    )
+    da, ta = vectors_of(rows, index, i, s.ROW_D)
+    db, tb = vectors_of(rows, index, i + count, s.ROW_D)
+    d, turned = twist_of(blocks, o, C, da, ta, db, tb)
     gap = get4(blocks, o + s.B_GAP)
     return Four(
         gap.a - (d.x + y.a * turned.y - x.a * turned.z), gap.b - (d.x + y.b * turned.y - x.b * turned.z),
@@ -196,9 +207,8 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
     o = i * s.FIELDS
     B = frame_of(blocks, o)
     C = transpose(B)
-    a, b = gather(rows, index, i, s.ROW_V), gather(rows, index, i + count, s.ROW_V)
-    va, wa = Vec3(a[0], a[1], a[2]), Vec3(a[4], a[5], a[6])
-    vb, wb = Vec3(b[0], b[1], b[2]), Vec3(b[4], b[5], b[6])
+    va, wa = vectors_of(rows, index, i, s.ROW_V)
+    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
     v, w = twist_of(blocks, o, C, va, wa, vb, wb)
 
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
@@ -213,10 +223,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
     k1, k2, k3 = get3(blocks, o + s.B_KWV), get3(blocks, o + s.B_KWV + 3), get3(blocks, o + s.B_KWV + 6)
     px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
     F, Fi = get6(blocks, o + s.B_FRICTION), get6(blocks, o + s.B_FRICTION_INVERSE)
-    surface = Surface(
-        load(blocks, o + s.B_SURFACE), load(blocks, o + s.B_SURFACE + 1), load(blocks, o + s.B_SURFACE + 2),
-        load(blocks, o + s.B_SURFACE + 3),
-    )  # fmt: skip
+    surface = surface_at(blocks, o)
     mu_s, mu_d = load(blocks, o + s.B_MU_S), load(blocks, o + s.B_MU_D)
     rigid, left0 = load(blocks, o + s.B_RIGID), load(blocks, o + s.B_LEFT)
     belt = get3(blocks, o + s.B_BELT)
@@ -247,8 +254,8 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
     if laws is not None:
         # a tyre gives way: slip = alpha pull / N is what a solved one has left
         alpha = load(blocks, o + s.B_ALPHA)
-        yields = yielding(alpha)
-        if any_yields(alpha):
+        yields = alpha > 0.0
+        if any_of(yields):
             alpha = alpha / greatest(lam.a + lam.b + lam.c + lam.d, LEAST_LOAD)
             Fi = inverse_sym(Sym3(F.xx + alpha, F.xy, F.xz, F.yy + alpha, F.yz, F.zz + alpha))
             slip = slip - pull * alpha
