@@ -48,7 +48,7 @@ def run(
         if path is not None:
             outputs.writable(option, path, make_folder=True)
     if plot is not None:
-        from stiction.plot.run import check_path
+        from stiction.plot.canvas import check_path
 
         check_path("--plot", plot, make_folder=True)
 
