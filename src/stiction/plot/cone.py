@@ -94,7 +94,8 @@ def _from_above(axes: Axes, points: Points, share: Array) -> None:
     axes.fill(*circle, color=style.GROUND, alpha=0.55, lw=0, zorder=0)
     step = max(1, -(-len(points) // MOST_POINTS))
     for state, color, mine in states(points):
-        axes.scatter(*np.clip(share[mine][::step], -FAR, FAR).T, s=9, color=color, alpha=0.5, lw=0, zorder=int(state))
+        x, y = np.clip(share[mine][::step], -FAR, FAR).T
+        axes.scatter(x, y, s=9, color=color, alpha=0.5, lw=0, zorder=int(state))
     axes.plot(*circle, **canvas.LIMITS["static"], zorder=5)
     for ratio in _ratios(points):
         axes.plot(*(ratio * circle), **canvas.LIMITS["dynamic"], zorder=5)

@@ -39,7 +39,7 @@ def parts(energies: Array) -> tuple[dict[str, Array], Array]:
     Args:
         energies: (f, 9) J, rows of :class:`stiction.reports.Energy`.
     """
-    ledger = Energy(*energies.T)  # type: ignore[arg-type]  # columns instead of numbers: the same sums hold
+    ledger = Energy(*energies.T)  # columns instead of numbers: the same sums hold
     lowest = np.min(ledger.potential)
     layers = {name: np.asarray(getattr(ledger, name)) for name in LAYERS}
     layers["potential"] = layers["potential"] - lowest
@@ -52,18 +52,11 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
 
     Args:
         track: the run, with energies.
-        bodies: must be None: the ledger is that of the whole world.
-
-    Raises:
-        InvalidInputError: ``bodies`` is given.
+        bodies: None: the ledger is that of the whole world.
     """
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    from stiction.errors import InvalidInputError
-
-    if bodies is not None:
-        raise InvalidInputError(f"bodies must be left out for the ledger of energy of a whole world, got {bodies!r}.")
     assert track.energies is not None  # the registry asks before
     times = track.frames.times
     layers, put_in = parts(track.energies)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from stiction.plot import canvas
 from stiction.plot.track import Track
 from stiction.record.frames import Frames
+from stiction.scene.placing import turned
 from stiction.shapes import Capsule, Cylinder, Sphere
 from stiction.view import style
 
@@ -68,18 +69,12 @@ def speeds(frames: Frames, body: int) -> tuple[Array, Array]:
         radius = shape.radius
     else:
         begins = int(np.argmax(np.linalg.norm(spin, axis=1)))
-        axis = _in_body(frames.orientations[begins, body], spin[begins])
+        axis = turned(frames.orientations[begins, body] * (1.0, -1.0, -1.0, -1.0), spin[begins])
         properties = shape.mass_properties
         size = float(axis @ axis)
         inertia = float(axis @ properties.inertia @ axis) / size if size > 0.0 else 0.0
         radius = math.sqrt(2.0 * inertia / properties.volume)
     return np.linalg.norm(frames.velocities[:, body], axis=1), radius * np.linalg.norm(spin, axis=1)
-
-
-def _in_body(q: Array, v: Array) -> Array:
-    """A vector in the axes of a body whose orientation is the unit quaternion q (w, x, y, z)."""
-    twice = 2.0 * np.cross(-q[1:], v)
-    return np.asarray(v + q[0] * twice + np.cross(-q[1:], twice))
 
 
 def draw(track: Track, bodies: list[str] | None) -> Figure:

@@ -12,6 +12,7 @@ from stiction.plot import canvas
 from stiction.plot.load import chosen_points
 from stiction.plot.track import Track
 from stiction.record.frames import Frames
+from stiction.scene.placing import turned
 from stiction.view import style
 from stiction.view.meshes import solid
 
@@ -107,7 +108,7 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
 
 
 def _outlines(axes: Axes, frames: Frames, view: Array) -> tuple[Array, Array]:
-    """Bodies that can move as the outline of their shape, fixed ones paler; the corners of the former, (2,) each in m."""
+    """Draw bodies as the outlines of their shapes, fixed ones paler; the corners of those that move, (2,) each in m."""
     from matplotlib.collections import PolyCollection
     from scipy.spatial import ConvexHull
 
@@ -115,19 +116,15 @@ def _outlines(axes: Axes, frames: Frames, view: Array) -> tuple[Array, Array]:
     for n, body in enumerate(frames.bodies):
         if not body.shape.bounded:
             continue
-        corners = _turned(frames.orientations[-1, n], solid(body.shape).vertices) + frames.positions[-1, n]
+        corners = turned(frames.orientations[-1, n], solid(body.shape).vertices) + frames.positions[-1, n]
         flat = corners @ view.T
         pieces[body.fixed].append(flat[ConvexHull(flat).vertices])
     for fixed, color, edge in ((True, style.GROUND, "none"), (False, "#f1f4f6", style.GRID_SECTION)):
-        axes.add_collection(PolyCollection(pieces[fixed], facecolor=color, edgecolor=edge, lw=0.9, zorder=1 + (not fixed)))
+        axes.add_collection(
+            PolyCollection(pieces[fixed], facecolor=color, edgecolor=edge, lw=0.9, zorder=1 + (not fixed))
+        )
     everything = np.concatenate(pieces[False])
     return everything.min(axis=0), everything.max(axis=0)
-
-
-def _turned(q: Array, v: Array) -> Array:
-    """Vectors (k, 3) turned by the unit quaternion q (w, x, y, z)."""
-    twice = 2.0 * np.cross(q[1:], v)
-    return np.asarray(v + q[0] * twice + np.cross(q[1:], twice))
 
 
 def _legend(figure: Figure, largest: float) -> None:

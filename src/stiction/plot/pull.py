@@ -31,8 +31,9 @@ def pulling_force(track: Track, body: int) -> Array:
     """(f,) N: the size of everything but its contacts that drives a body along the surface that it touches.
 
     It is what Newton's second law leaves over, m a minus the forces of the contacts, without its share along the mean
-    normal of the contacts; so gravity on a slope pulls, too. Exact where every step is a frame. 0 in the first frame,
-    of which no acceleration is known, and NaN where the body touches nothing.
+    normal of the contacts; so gravity on a slope pulls, too. Exact where every step is a frame; where several steps
+    are one, contacts are those of the last of them. 0 in the first frame, of which no acceleration is known; NaN where
+    the body touches nothing, and where it has let go or come to rest in one of several steps of a frame.
     """
     frames = track.frames
     mass = frames.bodies[body].mass
@@ -44,6 +45,8 @@ def pulling_force(track: Track, body: int) -> Array:
     with np.errstate(invalid="ignore"):
         n = normal / size
     along = np.asarray(np.linalg.norm(driving - n * np.sum(driving * n, axis=1, keepdims=True), axis=1))
+    changed = frames.motion[1:, body] != frames.motion[:-1, body]
+    along[1:][changed & (np.diff(frames.times) > 1.5 * frames.dt)] = np.nan
     along[0] = 0.0
     return along
 

@@ -64,7 +64,7 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
 
     figure = canvas.sheet(frames.title + remark)
     grid = figure.add_gridspec(2, 1, height_ratios=(1, 3))
-    upper, lower = (canvas.dress(figure.add_subplot(cell)) for cell in grid)
+    upper, lower = (canvas.dress(figure.add_subplot(grid[row])) for row in (0, 1))
     upper.sharex(lower)
 
     touching = np.maximum(1, np.sum(raster != APART, axis=0))

@@ -15,10 +15,9 @@ from stiction.errors import InvalidInputError
 from stiction.plot.points import Pairs
 from stiction.record.frames import Frames
 from stiction.record.recorder import Frame, Recorder
-from stiction.record.run import run
 from stiction.reports import Energy
 from stiction.scene import Scene, Simulation
-from stiction.world import World
+from stiction.world import MOST_STEPS, World
 
 Array = NDArray[np.float64]
 
@@ -83,41 +82,45 @@ def observe(
     watched: World | Simulation,
     seconds: float | None = None,
     *,
-    title: str = "a world",
+    title: str | None = None,
     every: int = 1,
     on_progress: Callable[[int, int], None] | None = None,
 ) -> Track:
     """Run a world or a simulation, and watch it.
 
     Args:
-        watched: a world, or the simulation of a scene, which is taken to its end.
-        seconds: how long a world is run, s; left out for a simulation.
-        title: of the figures of a world; a simulation has its scene's.
+        watched: a world, or the simulation of a scene.
+        seconds: how long, s; a simulation goes to its end at the latest, which is where it goes if this is left out.
+        title: of the figures; that of the scene if left out.
         every: steps from one frame to the next.
-        on_progress: called with the steps taken and the steps there are, now and then.
+        on_progress: called with the steps taken and the steps there are, after every frame.
 
     Raises:
-        InvalidInputError: seconds is missing for a world, or given for a simulation; or a value is not allowed.
+        InvalidInputError: seconds is missing for a world, or a value is not allowed.
         SimulationError: a body's state is no longer finite.
     """
+    advance: Callable[[int], None]
     if isinstance(watched, Simulation):
-        if seconds is not None:
-            raise InvalidInputError(f"seconds must be left out for a simulation, which has an end, got {seconds!r}.")
-        observer = Observer(watched.world, watched.scene.title, every)
-        run(watched, recorder=observer, on_progress=on_progress)
-        return observer.track()
-    if not isinstance(watched, World):
+        world, advance, scene_title = watched.world, watched.advance, watched.scene.title
+        total = watched.total_steps - watched.step_index
+    elif isinstance(watched, World):
+        world, advance, scene_title, total = watched, watched.step, "a world", MOST_STEPS
+        if seconds is None:
+            raise InvalidInputError("seconds must be given for a world, which has no end.")
+    else:
         raise InvalidInputError(f"watched must be a World or a Simulation, got {type(watched).__name__}.")
-    if seconds is None:
-        raise InvalidInputError("seconds must be given for a world.")
-    total = max(1, round(checks.positive("seconds", seconds, "s") / watched.dt))
-    observer = Observer(watched, title, every)
+    if seconds is not None:
+        total = min(total, max(1, round(checks.positive("seconds", seconds, "s") / world.dt)))
+    observer = Observer(world, scene_title if title is None else title, every)
     observer.capture()
-    for step in range(1, total + 1):
-        watched.step()
-        observer.capture(force=step == total)
+    taken = 0
+    while taken < total:
+        steps = min(every - world.steps % every, total - taken)
+        advance(steps)
+        taken += steps
+        observer.capture(force=taken == total)
         if on_progress is not None:
-            on_progress(step, total)
+            on_progress(taken, total)
     return observer.track()
 
 
