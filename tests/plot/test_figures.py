@@ -1,4 +1,4 @@
-"""What figures show is what the laws say: limits, ratios, loops, ledgers and weights, in closed form where there is one."""
+"""What figures show is what the laws say: limits, ratios, loops, ledgers and weights."""
 
 from __future__ import annotations
 

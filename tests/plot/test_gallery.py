@@ -37,7 +37,8 @@ def test_every_kind_is_shown_and_every_picture_has_its_command() -> None:
 
 
 def test_commands_of_one_scene_are_run_once() -> None:
-    text = "    stiction run a --set x=1 --plot cone\n    stiction run a --set x=1 --plot load\n    stiction run a --plot run\n"
+    lines = ("a --set x=1 --plot cone", "a --set x=1 --plot load", "a --plot run")
+    text = "".join(f"    stiction run {line}\n" for line in lines)
     assert GALLERY.commands(text) == {"a --set x=1": ["cone", "load"], "a": ["run"]}
 
 
@@ -52,9 +53,6 @@ def test_pictures_are_drawn_once_and_again_when_a_command_changes(
         GALLERY.draw(said.append)
         assert len(said) == times
         assert (folder / "pull-energy.png").stat().st_size > 5000
-    (folder / "pull-energy.png").unlink()
-    GALLERY.draw(said.append)
-    assert (folder / "pull-energy.png").exists() and len(said) == 2
     page.write_text(page.read_text().replace("0.1", "0"))
     with pytest.raises(RuntimeError, match="duration: must be above 0 s"):
         GALLERY.draw(said.append)
