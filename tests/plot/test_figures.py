@@ -221,9 +221,20 @@ def test_the_side_view_looks_across_the_longest_extent_and_has_gravity_down() ->
     world = st.World(gravity=(0, -5.0, 0))
     for z in (0.0, 3.0, 7.0):
         world.add(st.Sphere(0.1), position=(0, 0, z))
-    right, up = network.side_view(observe(world, 0.02).frames, world.gravity)
+    (right, up), name = network.best_view(observe(world, 0.02).frames, world.gravity)
     np.testing.assert_allclose(up, [0, 1, 0], atol=1e-12)
     np.testing.assert_allclose(right, [0, 0, 1], atol=1e-6)
+    assert name == "height"
+
+
+def test_what_lies_flat_is_seen_from_above() -> None:
+    world = st.World()
+    world.add(st.Plane(), static=True)
+    for x, y in ((0.0, 0.0), (0.0, 1.0), (3.0, 0.0), (3.0, 1.0)):
+        world.add(st.Sphere(0.1), position=(x, y, 0.1))
+    (right, other), name = network.best_view(observe(world, 0.02).frames, world.gravity)
+    np.testing.assert_allclose([right, other], [[1, 0, 0], [0, 1, 0]], atol=1e-6)
+    assert name == "depth"
 
 
 def test_faces_of_a_run_keep_its_sums() -> None:

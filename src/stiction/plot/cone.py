@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction.plot import canvas
-from stiction.plot.load import MOST_POINTS, chosen_points, states
+from stiction.plot.load import MOST_POINTS, chosen_points, dot_size, states
 from stiction.plot.points import Points
 from stiction.plot.track import Track
 from stiction.view import style
@@ -95,7 +95,7 @@ def _from_above(axes: Axes, points: Points, share: Array) -> None:
     step = max(1, -(-len(points) // MOST_POINTS))
     for state, color, mine in states(points):
         x, y = np.clip(share[mine][::step], -FAR, FAR).T
-        axes.scatter(x, y, s=9, color=color, alpha=0.5, lw=0, zorder=int(state))
+        axes.scatter(x, y, s=dot_size(points), color=color, alpha=0.5, lw=0, zorder=int(state))
     axes.plot(*circle, **canvas.LIMITS["static"], zorder=5)
     for ratio in _ratios(points):
         axes.plot(*(ratio * circle), **canvas.LIMITS["dynamic"], zorder=5)
@@ -125,8 +125,8 @@ def _in_space(axes: Any, points: Points, share: Array) -> None:
     for _, color, mine in states(points):
         inside = mine & (load <= top)
         axes.scatter(
-            *(load[inside, None] * share[inside])[::step].T, load[inside][::step], s=7, color=color, alpha=0.45, lw=0,
-            depthshade=False,
+            *(load[inside, None] * share[inside])[::step].T, load[inside][::step], s=dot_size(points), color=color,
+            alpha=0.45, lw=0, depthshade=False,
         )  # fmt: skip
     axes.set(xlim=(-top, top), ylim=(-top, top), zlim=(0.0, top))
     axes.set_xlabel(rf"$g_{{t1}}/\mu_s$ ({name})", fontsize=10, color=style.INK)
@@ -136,6 +136,7 @@ def _in_space(axes: Any, points: Points, share: Array) -> None:
     axes.locator_params(nbins=5)
     for axis in (axes.xaxis, axes.yaxis, axes.zaxis):
         axis.set_pane_color(style.PAPER)
+        # matplotlib has no public way to the lines of a grid in space
         axis._axinfo["grid"].update(color="#e8ecf0", linewidth=0.7)
     axes.view_init(elev=18.0, azim=-60.0)
     axes.set_box_aspect(None, zoom=0.9)

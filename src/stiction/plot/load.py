@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 MOST_POINTS = 20_000
 """Points that are drawn; of more, every so many-th is taken."""
+DOT, FEW = 8.0, 3000
+"""Size of a dot, and how many of them are few enough to be drawn three times as large."""
 MOST_LIMITS = 3
 """Pairs of coefficients whose lines are drawn."""
 
@@ -45,7 +47,15 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
     right = min(usual, float(load.max())) if len(load) else 1.0
     for state, color, mine in states(points):
         step = max(1, -(-len(points) // MOST_POINTS))
-        axes.scatter(load[mine][::step], friction[mine][::step], s=9, color=color, alpha=0.5, lw=0, zorder=int(state))
+        axes.scatter(
+            load[mine][::step],
+            friction[mine][::step],
+            s=dot_size(points),
+            color=color,
+            alpha=0.5,
+            lw=0,
+            zorder=int(state),
+        )
     axes.set_xlim(0.0, 1.12 * right)
     top = 1.08 * max([1e-12, *(1.05 * right * mu for mu in points.coefficients.max(axis=0, initial=0.0))])
     axes.set_ylim(0.0, top)
@@ -61,6 +71,11 @@ def chosen_points(track: Track, bodies: list[str] | None) -> Points:
     frames = track.frames
     numbers = None if bodies is None else canvas.choose(frames, bodies, len(frames.bodies))[0]
     return loaded(faces(contact_points(frames, track.pairs, numbers)))
+
+
+def dot_size(points: Points) -> float:
+    """Size of a dot in square points."""
+    return DOT if len(points) > FEW else 3.0 * DOT
 
 
 def states(points: Points) -> list[tuple[Motion, str, np.ndarray]]:

@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 WIDEST = 7.0
 """Points: the width of the line of the largest load."""
+FLAT = 0.2
+"""What is no higher than that share of its lesser extent across gravity is seen from above, unless it is a mere row."""
 MOBILISED = ("#0b3c5d", "#328cc1", "#f2c14e", "#e8590c")
 """Colours of a contact from no friction at all to all that it can give: they grow lighter, then warm."""
 
@@ -46,22 +48,32 @@ def links(track: Track, bodies: list[str] | None = None) -> list[tuple[int, int,
     return found
 
 
-def side_view(frames: Frames, gravity: Array) -> Array:
-    """(2, 3) directions of the picture: to the right along the largest extent across gravity, and up."""
+def best_view(frames: Frames, gravity: Array) -> tuple[Array, str]:
+    """(2, 3) directions of the picture, and what the second one is: height, or depth if seen from above.
+
+    A heap is seen from the side, with the axis of the world that is nearest to its largest extent to the right; what
+    lies flat, as balls on a table do, is seen from above.
+    """
     strength = float(np.linalg.norm(gravity))
     up = -gravity / strength if strength > 0.0 else np.array([0.0, 0.0, 1.0])
     movers = [n for n, body in enumerate(frames.bodies) if not body.fixed]
     x = frames.positions[-1, movers]
     x = x - x.mean(axis=0)
-    x = x - np.outer(x @ up, up)
-    _, _, directions = np.linalg.svd(np.vstack([x, 1e-6 * np.eye(3)]), full_matrices=False)
-    right = directions[0] - (directions[0] @ up) * up
-    right /= np.linalg.norm(right)
-    return np.array([right * (1.0 if right[np.argmax(np.abs(right))] > 0.0 else -1.0), up])
+    height = x @ up
+    x = x - np.outer(height, up)
+    _, extents, directions = np.linalg.svd(np.vstack([x, 1e-6 * np.eye(3)]), full_matrices=False)
+    # along an axis of the world, which scenes are built along, rather than askew by a little
+    axes = np.eye(3) - np.outer(up, up)
+    lengths = np.linalg.norm(axes, axis=1)
+    axes = axes[lengths > 0.5] / lengths[lengths > 0.5, None]
+    right = axes[np.argmax(np.abs(axes @ directions[0]))]
+    if np.linalg.norm(height) < FLAT * extents[1] and extents[1] > FLAT * extents[0]:
+        return np.array([right, np.cross(up, right)]), "depth"
+    return np.array([right, up]), "height"
 
 
 def draw(track: Track, bodies: list[str] | None) -> Figure:
-    """The figure: bodies in outline from the side, a line a contact, as wide as its force.
+    """The figure: bodies in outline, a line a contact, as wide as its force.
 
     Args:
         track: the run; its last frame is shown.
@@ -76,7 +88,7 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
 
     frames = track.frames
     canvas.choose(frames, None, len(frames.bodies))
-    view = side_view(frames, track.gravity)
+    view, name = best_view(frames, track.gravity)
     found = links(track, bodies)
     figure = canvas.sheet(f"{frames.title}, t = {frames.times[-1]:.3g} s", (9.6, 7.2))
     axes = canvas.dress(figure.add_subplot())
@@ -98,7 +110,7 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
     room = 0.04 * float(max(high - low))
     axes.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room), aspect="equal")
     axes.set_xlabel("across (m)")
-    axes.set_ylabel("height (m)")
+    axes.set_ylabel(f"{name} (m)")
     bar = figure.colorbar(ScalarMappable(drawn.norm, colors), ax=axes, shrink=0.75, pad=0.02)
     bar.set_label(r"share of the static limit, $|F|\,/\,\mu_s N$", fontsize=11, color=style.INK)
     bar.ax.tick_params(colors=style.MUTED_INK, labelsize=10)
@@ -134,6 +146,6 @@ def _legend(figure: Figure, largest: float) -> None:
     unit, name = (1000.0, "kN") if largest >= 5000.0 else (1.0, "N")
     handles: list[Any] = []
     for share in (1.0, 0.25, 0.05):
-        label = f"{share * largest / unit:.2g} {name}" if unit > 1.0 else f"{share * largest:.0f} {name}"
+        label = f"{float(f'{share * largest / unit:.2g}'):g} {name}"
         handles.append(Line2D([], [], color=style.MUTED_INK, lw=WIDEST * math.sqrt(share), label=label))
     canvas.legend(figure, handles)
