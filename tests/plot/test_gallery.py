@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import shlex
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
@@ -54,6 +54,8 @@ def test_pictures_are_drawn_once_and_again_when_a_command_changes(
         assert len(said) == times
         assert (folder / "pull-energy.png").stat().st_size > 5000
     page.write_text(page.read_text().replace("0.1", "0"))
-    with pytest.raises(RuntimeError, match="duration: must be above 0 s"):
+    failed = SimpleNamespace(returncode=2, stderr="duration: must be above 0 s")
+    monkeypatch.setattr(GALLERY.subprocess, "run", lambda *_, **__: failed)
+    with pytest.raises(RuntimeError, match="stiction run pull --seconds 0 failed: duration: must be above 0 s"):
         GALLERY.draw(said.append)
     assert not (folder / GALLERY.STAMP).exists(), "what failed is tried again"

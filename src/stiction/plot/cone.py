@@ -46,7 +46,7 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
     _in_space(figure.add_subplot(grid[0], projection="3d"), points, share)
     flat = canvas.dress(figure.add_subplot(grid[1]))
     _from_above(flat, points, share)
-    flat.set_title(_count(points, share), loc="left", fontsize=10.5, color=style.MUTED_INK)
+    flat.set_title(_count(points, share), loc="left", fontsize=9.5, color=style.MUTED_INK)
     canvas.legend(figure, [*canvas.stick_and_slide(), *_circles()])
     return figure
 
@@ -58,13 +58,17 @@ def shares(points: Points) -> Array:
 
 
 def _count(points: Points, share: Array) -> str:
-    """How many impulses there are, and how many lie outside, which steps of an impact may bring about."""
+    """How many impulses there are, and how many lie outside.
+
+    In ``soft`` some may, in steps of an impact: friction is limited by the load of a rigid contact, and impulses are
+    those of a soft one.
+    """
     outside = np.linalg.norm(share, axis=1) > RIM
     if not outside.any():
         return f"{len(points)} impulses, none outside"
     load = points.rows["normal_impulse"]
     part = 100.0 * float(load[outside].sum() / load.sum())
-    return f"{len(points)} impulses, {int(outside.sum())} outside with {part:.2g} % of the load"
+    return f"{len(points)} impulses, {int(outside.sum())} outside ({part:.2g} % of the load)"
 
 
 def _circles() -> list[Any]:
