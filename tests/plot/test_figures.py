@@ -147,13 +147,14 @@ def test_the_discs_of_the_scene_tend_to_it_from_both_sides() -> None:
 def test_speeds_of_turning_are_those_of_the_rim_or_of_a_disc_of_that_inertia() -> None:
     world = st.World(gravity=(0, 0, 0))
     world.add(st.Sphere(0.5), angular_velocity=(0, 3, 4), velocity=(0, 2, 0))
-    turned = (math.cos(0.4), math.sin(0.4), 0, 0)
-    # about the diagonal of a cube's face, as about any axis: I = m a^2 / 6, so R = a / sqrt(3)
-    world.add(st.Box((1.2, 1.2, 1.2)), position=(9, 0, 0), angular_velocity=(2, 2, 0), orientation=turned)
+    # turned by 45 degrees about x, so that it spins about its own z: I = m (x^2 + y^2) / 12
+    turned = (math.cos(math.pi / 8), math.sin(math.pi / 8), 0, 0)
+    spin = (0, -2 * math.sin(math.pi / 4), 2 * math.cos(math.pi / 4))
+    world.add(st.Box((1.2, 0.4, 0.9)), position=(9, 0, 0), angular_velocity=spin, orientation=turned)
     frames = observe(world, 0.1).frames
     v, turning = hodograph.speeds(frames, 0)
     np.testing.assert_allclose([v[0], turning[0]], [2.0, 2.5])
-    np.testing.assert_allclose(hodograph.speeds(frames, 1)[1], 1.2 / math.sqrt(3) * math.sqrt(8), rtol=1e-6)
+    np.testing.assert_allclose(hodograph.speeds(frames, 1)[1], 2 * math.sqrt((1.2**2 + 0.4**2) / 6), rtol=1e-6)
 
 
 # --- stick-slip -------------------------------------------------------------------------------------------------------

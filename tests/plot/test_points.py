@@ -82,6 +82,12 @@ def test_a_face_is_the_sum_of_its_points() -> None:
     np.testing.assert_allclose(made.coefficients[:, 0], [0.5, 0.2, 0.5])
 
 
+def test_the_normal_of_a_face_is_that_of_its_load() -> None:
+    rows = [row(0, 1, n=(1, 0, 0), load=1.0), row(0, 1, n=(0, 1, 0), load=3.0)]
+    made = faces(contact_points(make_frames(rows, [0, 2]), pairs))
+    np.testing.assert_allclose(made.rows["normal"][0], np.array([1, 3, 0]) / math.sqrt(10))
+
+
 def test_a_face_whose_normals_cancel_takes_one_of_them() -> None:
     rows = [row(0, 1, n=(1, 0, 0)), row(0, 1, n=(-1, 0, 0))]
     made = faces(contact_points(make_frames(rows, [0, 2]), pairs))
