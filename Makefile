@@ -92,7 +92,7 @@ check: $(VENV)/.installed-dev
 	@$(BIN)/lint-imports
 
 docs: $(VENV)/.installed-docs
-	@echo "[3/3] building the documentation ..."
+	@echo "[3/3] building the documentation; when the package has changed it draws its figures first ..."
 	@$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html
 	@echo "The documentation is at docs/_build/html/index.html."
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import sys
+from pathlib import Path
 from typing import Any
 
 from stiction import __version__
@@ -50,6 +52,17 @@ def _prepare_docstring(app: Any, what: str, name: str, obj: Any, options: Any, l
         lines[:0] = ["..", ""]
 
 
+def _draw_figures(app: Any) -> None:
+    """Draw the contact sheet of figures before pages are read, if the package or its commands have changed."""
+    from sphinx.util import logging
+
+    sys.path.insert(0, str(Path(__file__).parent / "figures"))
+    import gallery
+
+    gallery.draw(logging.getLogger(__name__).info)
+
+
 def setup(app: Any) -> None:
     """Called by Sphinx."""
+    app.connect("builder-inited", _draw_figures)
     app.connect("autodoc-process-docstring", _prepare_docstring, priority=400)

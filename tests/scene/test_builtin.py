@@ -25,7 +25,10 @@ from stiction.scene import Simulation, builtin_names, builtin_text, load
 from stiction.verify.setups import delay, rounding
 
 G = 9.81
-NAMES = ["ball", "billiards", "conveyor", "dominoes", "push-and-release", "pyramid", "ramp"]
+NAMES = [
+    "ball", "billiards", "conveyor", "disc", "dominoes", "heap", "pull", "push-and-release", "pyramid", "ramp",
+    "stick-slip",
+]  # fmt: skip
 
 _folder = tempfile.TemporaryDirectory(prefix="stiction-scenes-")
 
@@ -280,3 +283,63 @@ def test_on_the_conveyor_each_crate_reaches_the_belts_speed_after_v_over_mu_g() 
         assert set(motion[after]) == {Motion.STICKING}
         slipped_back = belt**2 / (2 * mu * G)
         np.testing.assert_allclose(traveled("conveyor", name)[-1], belt * frames.times[-1] - slipped_back, atol=1e-3)
+
+
+def test_the_pulled_crate_stays_to_the_static_limit_and_slides_with_dynamic_friction() -> None:
+    frames = recorded("pull").frames
+    crate = column("pull")["crate"]
+    lets_go, end, mass, growth = 490.5 / 140.0, frames.times[-1], 100.0, 140.0
+    before = frames.times <= lets_go
+    assert traveled("pull", "crate")[before].max() < 1e-5
+    assert set(frames.motion[before, crate][1:]) == {Motion.STICKING}
+    late = delay("soft", frames.dt) + frames.dt
+    assert set(frames.motion[frames.times > lets_go + late, crate]) == {Motion.SLIDING}
+    # m v = integral of growth t - mu_d m g since then; begun late, it misses the first of it
+    slid = end - lets_go
+    speed = (0.5 * growth * (end**2 - lets_go**2) - 0.4 * mass * G * slid) / mass
+    assert 0.0 < speed - frames.velocities[-1, crate, 0] < (490.5 - 392.4) / mass * late + 1e-4
+
+
+def test_blocks_on_the_belt_creak_with_the_periods_of_their_springs() -> None:
+    frames = recorded("stick-slip").frames
+    of, late = column("stick-slip"), frames.dt + delay("soft", frames.dt)
+    for name, stiffness in (("soft spring", 25.0), ("medium spring", 50.0), ("stiff spring", 100.0)):
+        w, gap, belt = math.sqrt(stiffness), 0.3 * G / stiffness, 0.1
+        period = 2 * gap / belt + (2 * math.pi - 2 * math.atan(gap * w / belt)) / w
+        slides = frames.motion[:, of[name]] == Motion.SLIDING
+        begins = frames.times[1:][slides[1:] & ~slides[:-1]]
+        assert len(begins) == math.floor((frames.times[-1] - 0.6 * G / stiffness / belt) / period) + 1
+        np.testing.assert_allclose(np.diff(begins), period, atol=2 * late)
+        assert f"{period:.2f} s ({stiffness:g} N/m)" in recorded("stick-slip").simulation.scene.expect
+    # with one coefficient nothing jumps: it swings about mu m g / k by V / w
+    x = frames.positions[frames.times > 3.0, of["one coefficient"], 0]
+    np.testing.assert_allclose([x.max(), x.min()], 0.3 * G / 25.0 + np.array([1, -1]) * 0.1 / 5.0, atol=0.1 * late)
+
+
+def test_the_discs_end_sliding_and_spinning_at_once() -> None:
+    frames = recorded("disc").frames
+    for name, first in (("slow", 4 / 3), ("middling", 2 / 3), ("fast", 1 / 3)):
+        body = column("disc")[name]
+        v = np.linalg.norm(frames.velocities[:, body], axis=1)
+        turning = 0.5 * np.linalg.norm(frames.angular_velocities[:, body], axis=1)
+        assert v[0] / turning[0] == pytest.approx(first)
+        ends = [int(np.argmax(speed < 1e-4 * speed[0])) for speed in (v, turning)]
+        assert min(ends) > 0 and abs(ends[0] - ends[1]) <= 1
+        last = int(np.argmax(v + turning < 0.01 * (v[0] + turning[0])))
+        assert abs(v[last] / turning[last] - 0.653) < 0.2 * abs(first - 0.653) + 0.005
+
+
+def test_the_heap_comes_to_rest_and_floor_walls_and_panes_carry_it() -> None:
+    simulation, frames = recorded("heap").simulation, recorded("heap").frames
+    bodies = movers("heap")
+    assert len(bodies) == 60
+    assert np.linalg.norm(frames.velocities[-1, bodies], axis=1).max() < 0.02
+    x = frames.positions[-1, bodies]
+    assert np.abs(x[:, 0]).max() < 1.0 and np.abs(x[:, 1]).max() < 0.15 and x[:, 2].min() > 0.0
+    rows = simulation.world.contacts()
+    fixed = [body.index for body in simulation.world if body.mobility == "static"]
+    held = rows[np.isin(rows["body_a"], fixed)]
+    force = np.sum(held["normal"] * held["normal_impulse"][:, None] + held["friction_impulse"], axis=0) / frames.dt
+    weight = sum(simulation.world.bodies[body].mass for body in bodies) * G
+    np.testing.assert_allclose(force, [0.0, 0.0, weight], atol=0.01 * weight)
+    assert set(bodies) <= set(rows["body_a"]) | set(rows["body_b"])

@@ -414,7 +414,7 @@ def test_the_schema_knows_every_key_and_refuses_others() -> None:
     json.dumps(schema)
     assert set(schema["required"]) == {"title", "expect", "duration"}
     definitions: dict[str, Any] = schema["$defs"]
-    assert {"from", "until", "body", "force", "at", "frame"} == set(definitions["PushTable"]["properties"])
+    assert {"from", "until", "body", "force", "growth", "at", "frame"} == set(definitions["PushTable"]["properties"])
     assert all(table["additionalProperties"] is False for table in definitions.values())
     assert definitions["BoxTable"]["properties"]["size"]["minItems"] == 3
     assert definitions["BodyTable"]["properties"]["density"]["description"].startswith("kg/m^3")

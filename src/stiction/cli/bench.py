@@ -72,7 +72,7 @@ def bench(
         profile=profile,
     )
     if plot is not None:
-        from stiction.plot.run import check_path
+        from stiction.plot.canvas import check_path
 
         check_path("--plot", plot, make_folder=True)
         outputs.writable("--plot", plot)

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
 from stiction import outputs
-from stiction.cli.console import complain, err, out, print_json, say, table
+from stiction.cli.console import complain, out, print_json, say, table
+from stiction.cli.figures import check_bodies, wanted, write
+from stiction.cli.progress import progress
 
 if TYPE_CHECKING:
-    from stiction.record.frames import Frames
     from stiction.scene import Simulation
 
 FRAMES_PER_SECOND = 60.0
@@ -26,8 +26,14 @@ def run(
     scene: Annotated[str, typer.Argument(help="A built-in scene (see `stiction scenes`) or a TOML file.")],
     html: Annotated[Path | None, typer.Option(help="Write a page that plays the run, offline.")] = None,
     plot: Annotated[
-        Path | None, typer.Option(help="Draw speed and friction force over time (PNG, SVG or PDF).")
+        list[str] | None,
+        typer.Option(
+            metavar="FILE|KIND|KIND=FILE",
+            help="Draw a figure (PNG, SVG or PDF): of kind 'run' into FILE, or of one of the kinds that "
+            "`stiction plot --list` shows, into FILE or SCENE-KIND.png; repeatable.",
+        ),
     ] = None,
+    body: Annotated[list[str] | None, typer.Option(help="Show this body in figures; repeatable.")] = None,
     record: Annotated[Path | None, typer.Option(help="Record the run (HDF5).")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the table as JSON.")] = False,
     set_: Annotated[
@@ -35,8 +41,15 @@ def run(
     ] = None,
     seconds: Annotated[float | None, typer.Option(help="Simulated time, instead of the scene's own.")] = None,
 ) -> None:
-    """Simulate a scene and print a table: how far each body went, how it moves now, and what friction took."""
-    from stiction.record.recorder import Recorder
+    """Simulate a scene and print a table: how far each body went, how it moves now, and what friction took.
+
+    \b
+    Examples:
+      stiction run ramp --html ramp.html --plot ramp.png
+      stiction run pull --plot pull --plot energy=out/energy.svg
+      stiction run ramp --set frames.ramp.rotation.angle_deg=25 --json
+    """
+    from stiction.plot.track import Observer
     from stiction.record.run import run as run_simulation
     from stiction.record.run import summary
     from stiction.scene import Simulation, load
@@ -47,20 +60,18 @@ def run(
     for option, path in (("--html", html), ("--record", record)):
         if path is not None:
             outputs.writable(option, path, make_folder=True)
-    if plot is not None:
-        from stiction.plot.run import check_path
-
-        check_path("--plot", plot, make_folder=True)
-
+    figures = wanted(list(plot or []), Path(scene).stem)
     simulation = Simulation(load(scene, overrides))
     world = simulation.world
+    check_bodies(figures, body, [one.name for one in world])
     start = world.positions.copy()
     every = max(1, round(1.0 / (FRAMES_PER_SECOND * world.dt)))
-    recorder = Recorder(world, simulation.scene.title, every=every) if html or plot else None
+    finer = any(figure.kind.fine for figure in figures)
+    recorder = Observer(world, simulation.scene.title, 1 if finer else every) if html or figures else None
 
     began = time.perf_counter()
     try:
-        with _writer(record, simulation, every) as writer, _progress(simulation.scene.title, json) as on_progress:
+        with _writer(record, simulation, every) as writer, progress(simulation.scene.title, json) as on_progress:
             run_simulation(simulation, recorder=recorder, writer=writer, on_progress=on_progress)
     except KeyboardInterrupt:
         kept = f"; what was recorded until then is in {record}" if record else ""
@@ -73,11 +84,16 @@ def run(
         print_json(_as_dict(simulation, rows))
     else:
         _print_table(simulation, rows, wall)
-    if recorder is not None:
-        _write(recorder.frames(), simulation, html, plot)
-    for what, path in (("page", html), ("plot", plot), ("recording", record)):
-        if path is not None:
-            say(f"{what}: {path}")
+    if recorder is not None and html is not None:
+        from stiction.plot.track import thinned
+        from stiction.view.html import write_html
+
+        write_html(thinned(recorder.frames(), every) if finer else recorder.frames(), html)
+        say(f"page: {html}")
+    if recorder is not None and figures:
+        write(figures, recorder.track(), body)
+    if record is not None:
+        say(f"recording: {record}")
 
 
 @contextmanager
@@ -89,43 +105,6 @@ def _writer(path: Path | None, simulation: Simulation, every: int) -> Iterator[A
 
     with RecordingWriter(path, simulation, every) as writer:
         yield writer
-
-
-@contextmanager
-def _progress(title: str, quiet: bool) -> Iterator[Callable[[int, int], None]]:
-    """A bar on a terminal, two lines in a log. The first step may have to compile the kernels, and says so."""
-    from stiction.core import jit
-
-    first = "compiling kernels (once on this machine, about 20 s)" if jit.is_cold() else "simulating"
-    if not err.is_terminal:
-        if not quiet:
-            say(f"{title}: {first} …")
-        yield lambda done, total: None
-        return
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed}/{task.total}"),
-    )
-    with Progress(*columns, TimeRemainingColumn(), console=err, transient=True) as bar:
-        task = bar.add_task(first, total=None)
-
-        def on_progress(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total, description="simulating")
-
-        yield on_progress
-
-
-def _write(frames: Frames, simulation: Simulation, html: Path | None, plot: Path | None) -> None:
-    if html is not None:
-        from stiction.view.html import write_html
-
-        write_html(frames, html)
-    if plot is not None:
-        from stiction.plot.run import plot_run
-
-        plot_run(frames, simulation.world.materials.pair, plot)
 
 
 def _as_dict(simulation: Simulation, rows: list[Any]) -> dict[str, Any]:

@@ -6,7 +6,6 @@ mu_s N; while it slides, friction lies on the dynamic limit mu_d N.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction import checks, outputs
-from stiction.errors import InvalidInputError, OutputError
 from stiction.motion import Motion
+from stiction.plot.canvas import LIMITS, check_path, choose, dress, limit_lines, save
+from stiction.plot.points import Pairs, contact_points
 from stiction.record.frames import Frames
 from stiction.view import style
 
@@ -24,20 +23,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from stiction.plot.track import Track
+
 Array = NDArray[np.float64]
-Pairs = Callable[[str, str], Any]
 
 MOST_BODIES = 9
 COLUMNS = {1: 1, 2: 2, 3: 3, 4: 2, 5: 3, 6: 3, 7: 4, 8: 4, 9: 3}
 """Columns of the grid by number of bodies."""
 SIZE = (13.333, 7.5)
 """Inches: a slide of 16 to 9."""
-DPI = 150
-LIMITS: dict[str, dict[str, Any]] = {
-    "static": {"color": style.INK, "lw": 1.3, "ls": (0, (5, 2))},
-    "dynamic": {"color": style.INK, "lw": 1.5, "ls": (0, (1, 1.2))},
-}
-"""Lines of the Coulomb limits."""
 LEAST_SPEED = 0.05
 """The speed axis reaches at least this far, in m/s, so that rounding at rest does not look like motion."""
 LINE = 90
@@ -80,32 +74,7 @@ def plot_run(frames: Frames, pairs: Pairs, path: str | Path, *, bodies: list[str
         OutputError: the picture cannot be written, or its ending names no known format; found out before any work.
     """
     target = check_path("path", path)
-    figure = run_figure(frames, pairs, bodies=bodies)
-    try:
-        figure.savefig(target, dpi=DPI)
-    except OSError as error:
-        raise outputs.not_writable("path", target, error) from error
-    return target
-
-
-def check_path(name: str, path: str | Path, *, make_folder: bool = False) -> Path:
-    """The path, if a picture can be written there.
-
-    Args:
-        name: what the sentence calls the parameter.
-        path: of the picture.
-        make_folder: make the folder if it is missing.
-
-    Raises:
-        OutputError: the file cannot be written, or its ending names no known format.
-    """
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    target = Path(path)
-    known = FigureCanvasAgg.get_supported_filetypes()
-    if target.suffix[1:].lower() not in known:
-        raise OutputError(f"{name} must end in one of {', '.join(sorted(known))}, got {str(target)!r}.")
-    return outputs.writable(name, target, make_folder=make_folder)
+    return save(run_figure(frames, pairs, bodies=bodies), target)
 
 
 def run_figure(frames: Frames, pairs: Pairs, *, bodies: list[str] | None = None) -> Figure:
@@ -118,7 +87,7 @@ def run_figure(frames: Frames, pairs: Pairs, *, bodies: list[str] | None = None)
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
 
-    chosen, note = _choose(frames, bodies)
+    chosen, note = choose(frames, bodies, MOST_BODIES)
     layout = ConstrainedLayoutEngine(h_pad=0.03, w_pad=0.08, hspace=0.0, wspace=0.03)
     figure = Figure(figsize=SIZE, layout=layout, facecolor=style.PAPER)
     figure.suptitle(frames.title + note, x=0.012, ha="left", fontsize=17, fontweight="bold", color=style.INK)
@@ -157,6 +126,11 @@ def run_figure(frames: Frames, pairs: Pairs, *, bodies: list[str] | None = None)
     return figure
 
 
+def draw(track: Track, bodies: list[str] | None) -> Figure:
+    """The figure of :func:`plot_run` for a track."""
+    return run_figure(track.frames, track.pairs, bodies=bodies)
+
+
 def body_forces(frames: Frames, pairs: Pairs, body: int) -> BodyForces:
     """Friction on a body and its Coulomb limits, frame by frame.
 
@@ -169,40 +143,15 @@ def body_forces(frames: Frames, pairs: Pairs, body: int) -> BodyForces:
         pairs: gives for the names of two materials what has ``static`` and ``dynamic``, their coefficients.
         body: number of the body.
     """
-    rows = frames.contacts
-    frame_of_row = np.repeat(np.arange(len(frames)), np.diff(frames.contact_offsets))
-    mine = (rows["body_a"] == body) | (rows["body_b"] == body)
-    rows, frame_of_row = rows[mine], frame_of_row[mine]
-
-    table: dict[int, tuple[float, float]] = {}
-    others = np.where(rows["body_a"] == body, rows["body_b"], rows["body_a"])
-    for other in np.unique(others).tolist():
-        pair = pairs(frames.bodies[body].material, frames.bodies[other].material)
-        table[other] = (float(pair.static), float(pair.dynamic))
-    coefficients = np.array([table[other] for other in others.tolist()]).reshape(-1, 2)
-
+    points = contact_points(frames, pairs, [body])
+    rows = points.rows
     sign = np.where(rows["body_b"] == body, 1.0, -1.0)
     friction = np.zeros((len(frames), 3))
-    np.add.at(friction, frame_of_row, sign[:, None] * rows["friction_impulse"] / frames.dt)
+    np.add.at(friction, points.frame, sign[:, None] * rows["friction_impulse"] / frames.dt)
     limits = np.zeros((len(frames), 2))
-    np.add.at(limits, frame_of_row, coefficients * rows["normal_impulse"][:, None] / frames.dt)
-    return BodyForces(np.linalg.norm(friction, axis=1), limits[:, 0], limits[:, 1], set(table.values()))
-
-
-def _choose(frames: Frames, bodies: list[str] | None) -> tuple[list[int], str]:
-    """Numbers of the bodies to show, and a note for the title if some that move are left out."""
-    if not len(frames):
-        raise InvalidInputError("frames must hold at least one frame, got 0.")
-    names = [body.name for body in frames.bodies]
-    if bodies is not None:
-        if not 1 <= len(bodies) <= MOST_BODIES:
-            raise InvalidInputError(f"bodies must be 1 to {MOST_BODIES} names, got {len(bodies)}.")
-        return [names.index(checks.one_of("bodies", name, names)) for name in bodies], ""
-    movers = [n for n, body in enumerate(frames.bodies) if not body.fixed]
-    if not movers:
-        raise InvalidInputError("frames must hold at least one body that is not fixed, got none.")
-    note = f"  ({MOST_BODIES} of {len(movers)} moving bodies)" if len(movers) > MOST_BODIES else ""
-    return movers[:MOST_BODIES], note
+    np.add.at(limits, points.frame, points.coefficients * rows["normal_impulse"][:, None] / frames.dt)
+    occurring = {(float(static), float(dynamic)) for static, dynamic in np.unique(points.coefficients, axis=0)}
+    return BodyForces(np.linalg.norm(friction, axis=1), limits[:, 0], limits[:, 1], occurring)
 
 
 # --- drawing ----------------------------------------------------------------------------------------------------------
@@ -210,12 +159,7 @@ def _choose(frames: Frames, bodies: list[str] | None) -> tuple[list[int], str]:
 
 def _dress(axes: Axes, times: Array, motion: NDArray[np.uint8]) -> None:
     """Frame, ticks, and the phases of motion as a coloured ground."""
-    axes.set_facecolor(style.PAPER)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.spines[["left", "bottom"]].set_color(style.GRID_SECTION)
-    axes.tick_params(colors=style.MUTED_INK, labelsize=9, length=3)
-    axes.yaxis.label.set(color=style.INK, fontsize=10)
-    axes.xaxis.label.set(color=style.INK, fontsize=10)
+    dress(axes, 9)
     axes.locator_params(axis="y", nbins=3)
     axes.locator_params(axis="x", nbins=6)
     # as high as the axes, whatever the numbers on them
@@ -267,8 +211,7 @@ def _add_legend(figure: Figure, states: set[Motion]) -> None:
     handles: list[Any] = [
         Line2D([], [], color=style.INK, lw=2.0, label="speed"),
         Line2D([], [], color=style.FRICTION, lw=2.6, label="friction force"),
-        Line2D([], [], **LIMITS["static"], label=r"static limit $\mu_s N$"),
-        Line2D([], [], **LIMITS["dynamic"], label=r"dynamic limit $\mu_d N$"),
+        *limit_lines(),
     ]
     handles += [Patch(color=style.MOTION_COLORS[s], alpha=0.35, lw=0, label=s.word) for s in sorted(states)]
     figure.legend(

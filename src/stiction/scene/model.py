@@ -271,8 +271,10 @@ class PushTable(Table):
     """The body it acts on, a dynamic one."""
     force: Vector
     """N"""
+    growth: Vector = (0.0, 0.0, 0.0)
+    """By how much the force grows while it acts, N/s."""
     frame: Text | None = None
-    """The frame in whose axes the force is given; the world's if left out."""
+    """The frame in whose axes force and growth are given; the world's if left out."""
     start: fields.Time = Field(default=0.0, alias="from")
     """When it begins, s."""
     until: fields.Duration | None = None
@@ -285,6 +287,23 @@ class PushTable(Table):
         if self.until is not None and self.until <= self.start:
             raise fault(f"must be later than from ({self.start:g} s), got {self.until:g}.", key="until")
         return self
+
+
+class SpringTable(Table):
+    """A spring without length of its own that pulls a body towards a place, which may move."""
+
+    body: Text
+    """The body it pulls, a dynamic one."""
+    stiffness: fields.Stiffness
+    """Force per length, N/m."""
+    anchor: Vector
+    """Where its other end is at first, m."""
+    velocity: Vector = (0.0, 0.0, 0.0)
+    """Velocity of its other end, m/s."""
+    frame: Text | None = None
+    """The frame in which anchor and velocity are given; the world if left out."""
+    at: Vector = (0.0, 0.0, 0.0)
+    """The point of the body that it holds, in the frame of the body's shape, m."""
 
 
 class VelocityChangeTable(Table):
@@ -321,5 +340,7 @@ class SceneTable(Table):
     """The bodies, in the order in which they are added to the world."""
     pushes: tuple[PushTable, ...] = ()
     """Forces that act in a window of time."""
+    springs: tuple[SpringTable, ...] = ()
+    """Springs that pull bodies."""
     velocity_changes: tuple[VelocityChangeTable, ...] = ()
     """New velocities of kinematic bodies."""

@@ -96,6 +96,6 @@ def product(p: Array, q: Array) -> Array:
 
 
 def turned(q: Array, v: Array) -> Array:
-    """v turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), with u its vector part."""
+    """v, (3,) or (k, 3), turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), with u its vector part."""
     twice = 2.0 * np.cross(q[1:], v)
     return np.asarray(v + q[0] * twice + np.cross(q[1:], twice))

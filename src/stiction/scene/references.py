@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from stiction.checks import nearest
 from stiction.errors import InvalidInputError
 from stiction.materials import MaterialTable
-from stiction.scene.model import BodyTable, SceneTable
+from stiction.scene.model import BodyTable, PushTable, SceneTable, SpringTable
 from stiction.scene.placing import copies
 
 BASES = {"default": MaterialTable.default, "lecture": MaterialTable.lecture, "empty": MaterialTable}
@@ -48,12 +48,13 @@ def check_references(scene: SceneTable, materials: MaterialTable) -> None:
             bodies[name] = body
         _must_exist(f"{where}.frame", body.frame, scene.frames, "frame")
         _must_exist(f"{where}.material", body.material, materials.materials, "material")
-    for number, push in enumerate(scene.pushes):
-        where = f"pushes[{number}]"
-        _must_exist(f"{where}.body", push.body, bodies, "body")
-        _must_exist(f"{where}.frame", push.frame, scene.frames, "frame")
-        if bodies[push.body].static or bodies[push.body].kinematic:
-            raise InvalidInputError(f"{where}.body: must be a dynamic body, and {push.body!r} is not.")
+    pulls: list[tuple[str, PushTable | SpringTable]] = [(f"pushes[{k}]", push) for k, push in enumerate(scene.pushes)]
+    pulls += [(f"springs[{k}]", spring) for k, spring in enumerate(scene.springs)]
+    for where, pull in pulls:
+        _must_exist(f"{where}.body", pull.body, bodies, "body")
+        _must_exist(f"{where}.frame", pull.frame, scene.frames, "frame")
+        if bodies[pull.body].static or bodies[pull.body].kinematic:
+            raise InvalidInputError(f"{where}.body: must be a dynamic body, and {pull.body!r} is not.")
     for number, change in enumerate(scene.velocity_changes):
         where = f"velocity_changes[{number}]"
         _must_exist(f"{where}.body", change.body, bodies, "body")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stiction import checks
 from stiction.body import Body
+from stiction.errors import InvalidInputError
 from stiction.scene.placing import frame_of, turned
 from stiction.scene.scene import Scene
 
@@ -22,24 +23,65 @@ SNAP = 1e-9
 
 @dataclass(frozen=True)
 class _Push:
-    """A force on a body from one time to another, both in steps and not necessarily whole."""
+    """A force on a body from one time to another, both in steps and not necessarily whole.
+
+    Attributes:
+        force: (3,) N, when it begins. growth: (3,) N by which it grows in a step.
+    """
 
     body: Body
     force: Array
+    growth: Array
     at: Array | None
     begin: float
     end: float
 
-    def share(self, step: int) -> float:
-        """How much of that step the force acts, 0 to 1."""
-        return max(0.0, min(self.end, step + 1.0) - max(self.begin, float(step)))
+    def apply(self, step: int) -> bool:
+        """Push for the coming step, and say whether there was anything to push.
 
-    def apply(self, share: float) -> None:
-        """Push for the coming step, so that the impulse is right even where a window begins or ends within it."""
+        Where a window begins or ends within the step, or the force changes in it, the impulse is right.
+        """
+        begin, end = max(self.begin, float(step)), min(self.end, step + 1.0)
+        if end <= begin:
+            return False
+        mean = self.force + self.growth * (0.5 * (begin + end) - self.begin)
         at = None
         if self.at is not None:
             at = self.body.position + turned(self.body.orientation, self.at)
-        self.body.apply_force(self.force * share, at)
+        self.body.apply_force(mean * (end - begin), at)
+        return True
+
+
+@dataclass(frozen=True)
+class _Spring:
+    """A spring between a point of a body and a place that moves evenly.
+
+    Attributes:
+        anchor, velocity: (3,) m and m/s of its other end, at time 0.
+        at: (3,) m, the point of the body in its shape's frame; None if that is its centre of mass.
+    """
+
+    body: Body
+    stiffness: float
+    anchor: Array
+    velocity: Array
+    at: Array | None
+
+    def apply(self, time: float, dt: float) -> None:
+        """Pull for a step that begins at that time, with the force that the spring is about to have in its middle.
+
+        That force neither feeds nor damps a body that swings freely: a step multiplies its state by a matrix of
+        determinant 1, whose eigenvalues lie on the unit circle as long as k dt^2 < 4 m.
+        """
+        body = self.body
+        if self.at is None:
+            point, speed = body.center_of_mass, body.velocity
+        else:
+            point = body.position + turned(body.orientation, self.at)
+            speed = body.velocity + np.cross(body.angular_velocity, point - body.center_of_mass)
+        half = 0.5 * dt
+        stretch = self.anchor + (time + half) * self.velocity - (point + half * speed)
+        body.apply_force(self.stiffness * stretch, None if self.at is None else point)
 
 
 @dataclass(frozen=True)
@@ -62,7 +104,8 @@ class Simulation:
     """A world built from a scene, and its way to the end of the scene.
 
     Pushes and velocity changes happen at their times, however the steps are cut into calls of :meth:`advance`. A push
-    that begins or ends within a step acts in it with the share of its force that gives the right impulse.
+    that begins or ends within a step acts in it with the share of its force that gives the right impulse. Springs pull
+    in every step.
 
     Args:
         scene: what to simulate.
@@ -73,7 +116,8 @@ class Simulation:
         total_steps: number of steps that come nearest to the scene's duration, at least one.
 
     Raises:
-        InvalidInputError, NotYetError: see :meth:`Scene.build`.
+        InvalidInputError: a spring is too stiff for the time step; and see :meth:`Scene.build`.
+        NotYetError: see :meth:`Scene.build`.
     """
 
     def __init__(self, scene: Scene) -> None:
@@ -82,6 +126,7 @@ class Simulation:
         dt = self.world.dt
         self.total_steps = max(1, round(scene.duration / dt))
         self._pushes = self._make_pushes(dt)
+        self._springs = self._make_springs(dt)
         self._changes = self._make_changes(dt)
         # Steps before which something outside the world must be done; compiled stepping never runs across one of them.
         stops = {math.floor(push.begin) for push in self._pushes} | {change.step for change in self._changes}
@@ -113,10 +158,11 @@ class Simulation:
             for change in self._changes:
                 if change.step == now:
                     change.apply()
-            acting = [(push, share) for push in self._pushes if (share := push.share(now)) > 0.0]
-            for push, share in acting:
-                push.apply(share)
-            self.world.step(1 if acting else self._next_stop(now, goal) - now)
+            pushed = [push.apply(now) for push in self._pushes]
+            for spring in self._springs:
+                spring.apply(now * self.world.dt, self.world.dt)
+            acts = any(pushed) or bool(self._springs)
+            self.world.step(1 if acts else self._next_stop(now, goal) - now)
 
     def _next_stop(self, now: int, goal: int) -> int:
         """The next step at which something happens from outside, or the goal."""
@@ -126,11 +172,30 @@ class Simulation:
     def _make_pushes(self, dt: float) -> list[_Push]:
         pushes = []
         for push in self.scene.table.pushes:
-            force = frame_of(self.scene.table, push.frame).turn(push.force)
+            frame = frame_of(self.scene.table, push.frame)
+            force, growth = frame.turn(push.force), frame.turn(push.growth) * dt
             end = math.inf if push.until is None else _in_steps(push.until, dt)
             at = None if push.at is None else np.array(push.at)
-            pushes.append(_Push(self.world[push.body], force, at, _in_steps(push.start, dt), end))
+            pushes.append(_Push(self.world[push.body], force, growth, at, _in_steps(push.start, dt), end))
         return pushes
+
+    def _make_springs(self, dt: float) -> list[_Spring]:
+        springs = []
+        for number, spring in enumerate(self.scene.table.springs):
+            body, frame = self.world[spring.body], frame_of(self.scene.table, spring.frame)
+            most = 4.0 * body.mass / dt**2
+            if spring.stiffness >= most:
+                raise InvalidInputError(
+                    f"springs[{number}].stiffness: must be below 4 m / dt^2 = {most:g} N/m, or its body swings faster "
+                    f"than steps can follow, got {spring.stiffness:g}."
+                )
+            # where the centre of mass is the frame's origin the spring cannot turn the body, and needs no arm
+            at = np.array(spring.at)
+            centred = np.array_equal(at, body.shape.mass_properties.center_of_mass)
+            anchor = frame.position + frame.turn(spring.anchor)
+            velocity = frame.turn(spring.velocity)
+            springs.append(_Spring(body, spring.stiffness, anchor, velocity, None if centred else at))
+        return springs
 
     def _make_changes(self, dt: float) -> list[_Change]:
         changes = []

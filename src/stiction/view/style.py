@@ -37,6 +37,8 @@ GRID_LINE, GRID_SECTION = "#c3cbd3", "#98a4b0"
 
 FRICTION = "#c2185b"
 """Friction force in plots."""
+SERIES = ("#0072b2", "#e8590c", "#008f68", "#6a3d9a", "#5c6873", "#c2185b", "#3fa7d6", "#8a6d00", "#1f2a35")
+"""Colours of lines that stand for bodies, in their order: Okabe and Ito's, darker where they would be pale on white."""
 EDGE_WIDTH = 0.014
 """Width of the dark edges of a body, as a share of its mean size."""
 CONTACT_RADIUS = 0.065
