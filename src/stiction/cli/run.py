@@ -34,8 +34,21 @@ def run(
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value of the scene; repeatable.")
     ] = None,
     seconds: Annotated[float | None, typer.Option(help="Simulated time, instead of the scene's own.")] = None,
+    export_problem: Annotated[
+        Path | None,
+        typer.Option(help="Write the contact problem of the step after the last (FCLIB .hdf5, Siconos .dat)."),
+    ] = None,
 ) -> None:
-    """Simulate a scene and print a table: how far each body went, how it moves now, and what friction took."""
+    """Simulate a scene and print a table: how far each body went, how it moves now, and what friction took.
+
+    Examples:
+
+        stiction run ramp --html ramp.html --plot ramp.png
+
+        stiction run ramp --set world.dt=0.004 --json
+
+        stiction run pyramid --seconds 0.5 --export-problem pyramid.hdf5
+    """
     from stiction.record.recorder import Recorder
     from stiction.record.run import run as run_simulation
     from stiction.record.run import summary
@@ -51,6 +64,11 @@ def run(
         from stiction.plot.run import check_path
 
         check_path("--plot", plot, make_folder=True)
+    if export_problem is not None:
+        from stiction.problems.problem import check_ending
+
+        check_ending("--export-problem", export_problem)
+        outputs.writable("--export-problem", export_problem, make_folder=True)
 
     simulation = Simulation(load(scene, overrides))
     world = simulation.world
@@ -75,7 +93,9 @@ def run(
         _print_table(simulation, rows, wall)
     if recorder is not None:
         _write(recorder.frames(), simulation, html, plot)
-    for what, path in (("page", html), ("plot", plot), ("recording", record)):
+    if export_problem is not None:
+        world.contact_problem().write(export_problem)
+    for what, path in (("page", html), ("plot", plot), ("recording", record), ("contact problem", export_problem)):
         if path is not None:
             say(f"{what}: {path}")
 
