@@ -14,6 +14,7 @@ from stiction import shapes
 from stiction.checks import nearest
 from stiction.scene import fields
 from stiction.scene.fields import Flag, Name, Number, Table, Text, Vector, fault
+from stiction.scene.model_vehicle import VehicleTable
 from stiction.world import SOLVERS
 
 MOST_COPIES = 100_000
@@ -323,3 +324,5 @@ class SceneTable(Table):
     """Forces that act in a window of time."""
     velocity_changes: tuple[VelocityChangeTable, ...] = ()
     """New velocities of kinematic bodies."""
+    vehicles: tuple[VehicleTable, ...] = ()
+    """Wheels under bodies, and their drivers."""
