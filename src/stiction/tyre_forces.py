@@ -8,8 +8,12 @@ for all wheels at once. Whatever dt is, that has no limit of stability, and wher
     tyre       (F_f, F_s) = -(N / alpha) slip', alpha = |slip'| / mu(slip'), as in stiction.core.friction.laws
     wheel      I (w' - w) / dt = drive + brake - r F_f; the brake holds the wheel if it can, else it has its full torque
 
-The equations are linear but for alpha, for which wheels are on the ground and for which are locked: these are found by
-going round (Picard), from where the step before has left alpha.
+The equations are linear but for alpha, for which wheels are on the ground and for which are locked. These are found by
+going round, from where the step before has left alpha. With the forces of a round, a tyre that slips takes a Newton
+step towards the slip that it would have alone, s + w N mu(s) = |slip without its own force|, w being the inverse mass
+that it feels. One that holds goes towards mu(s) N = |its force|, so that wheels share by load what nothing else
+determines; and all together, where they pull beyond what all can hold. Pairs without a tyre law have two coefficients:
+found with the static one, those that slip let go, and it is found again.
 """
 
 from __future__ import annotations
@@ -30,12 +34,16 @@ ROUNDS = 60
 """Rounds in a step at most."""
 DAMPED = 25
 """From this round on half of the change of alpha is taken: laws that fall steeply beyond their peak go to and fro."""
-ENOUGH = 1e-9
+STEEPEST = -0.5
+"""w N mu'(s) at least, where mu falls."""
+TOGETHER = 8.0
+"""Power of the factor by which all wheels pull beyond what they can hold."""
+ENOUGH = 1e-7
 """Of the largest force, change in a round that ends the rounds."""
 STICKS = 1e-9
 """m/s, least slip, for alpha must not be zero."""
-HOLDS = 1e-6
-"""m/s: what slips less than this does not slide, where a pair has no tyre law but two coefficients."""
+HOLDS, LETS_GO = 1e-6, 1e-5
+"""m/s: where a pair has no tyre law but two coefficients, what slips less holds again, and what slips more lets go."""
 
 
 @dataclass
@@ -111,8 +119,10 @@ def solve_wheels(
     on = wheels.push - wheels.damping * u0[n] > 0.0
     locked = (wheels.brake > 0.0) & (np.abs(wheels.spin) < 1e-12)
     brake = -np.sign(wheels.spin) * wheels.brake
-    F, before = np.zeros(3 * k), np.full(3 * k, np.inf)
-    spin, slip, speed = wheels.spin, np.zeros((k, 2)), np.zeros(k)
+    before: Array = np.full(3 * k, np.inf)
+    F: Array = np.zeros(3 * k)
+    spin, slip = wheels.spin, np.zeros((k, 2))
+    speed: Array = np.zeros(k)
     over0 = wheels.hub @ velocity - np.delete(wheels.ground, n)
     to_hub = dt * wheels.hub @ inverse_mass @ wheels.J.T
     for turn in range(ROUNDS):
@@ -126,7 +136,7 @@ def solve_wheels(
             rows = slice(3 * off, 3 * off + 3)
             S[rows], b[rows] = 0.0, 0.0
             S[rows, rows] = np.eye(3)
-        F = np.linalg.solve(S, b)
+        F = np.asarray(np.linalg.solve(S, b), dtype=np.float64)
         u = u0 + A @ F
 
         # the ground does not pull, and takes up what comes down on it
@@ -139,33 +149,66 @@ def solve_wheels(
         slip[:, 0], slip[:, 1] = u[f] - r * spin, u[s]
         over = over0 + to_hub @ F
         speed = np.hypot(over[0::2], over[1::2])
-        slips = np.hypot(slip[:, 0], slip[:, 1]).tolist()
-        for i, ((tyre, ground), at) in enumerate(zip(wheels.rows.tolist(), speed.tolist(), strict=True)):
-            new, sliding[i] = _alpha(table, tyre, ground, slips[i], at, bool(sliding[i]))
+        felt = 0.5 * (A[f, f] + A[s, s] + np.where(locked, 0.0, r * r * gain))
+        free = np.hypot(slip[:, 0] - felt * F[f], slip[:, 1] - felt * F[s])
+        slips, grip, used = np.hypot(slip[:, 0], slip[:, 1]), felt * load, np.hypot(F[f], F[s]) / load
+        frictions = [
+            _Friction(table, tyre, ground, float(speed[i]), bool(sliding[i]))
+            for i, (tyre, ground) in enumerate(wheels.rows.tolist())
+        ]
+        holding = on & (slips < LETS_GO)
+        most = sum(float(load[i]) * frictions[i].mu(max(float(slips[i]), STICKS)) for i in np.flatnonzero(holding))
+        beyond = max(float((used * load)[holding].sum()) / most, 1.0) if most > 0.0 else 1.0
+        for i, friction in enumerate(frictions):
+            new = friction.alpha(float(slips[i]), float(free[i]), float(grip[i]), float(used[i]), beyond)
             alpha[i] = new if turn < DAMPED else 0.5 * (alpha[i] + new)
         if np.abs(F - before).max() <= ENOUGH * np.abs(F).max():
-            break
+            go = ~sliding & (np.hypot(slip[:, 0], slip[:, 1]) > LETS_GO)
+            if not go.any():
+                break
+            sliding |= go
+            F = np.full(3 * k, np.inf)  # alpha is still that of the static coefficient
         before = F
     force = F.reshape(k, 3).copy()
     force[~on] = 0.0
-    return Found(force, slip, spin, brake, speed, alpha, sliding)
+    return Found(force, slip, spin, brake, speed, alpha, np.hypot(slip[:, 0], slip[:, 1]) > HOLDS)
 
 
-def _alpha(table: Array, i: int, j: int, slip: float, speed: float, sliding: bool) -> tuple[float, bool]:
-    """Slip over mu (m/s) of a tyre that slips by ``slip`` m/s at a speed, and whether it slides."""
-    law = table[i, j, LAW] if table.shape[2] > LAW else COULOMB
-    if law >= BRUSH:
-        speed = max(speed, SLOW_WHEEL)
-        _, slope = tyre_coefficient(table, i, j, max(slip, STICKS) / speed)
-        return speed / max(slope, 1e-12), slip > HOLDS
-    # two coefficients: it breaks away at the static one, and holds again where it has come to rest
-    slides = slip > HOLDS
-    mu = table[i, j, DYNAMIC_MU if sliding and slides else STATIC_MU]
-    if sliding and slides and law != COULOMB:
-        mu = coefficient(table, i, j, slip)
-    return max(slip, STICKS) / max(mu, 1e-12), slides
+class _Friction(NamedTuple):
+    """The law of one tyre at the speed that its hub has."""
 
+    table: Array
+    tyre: int
+    ground: int
+    speed: float
+    sliding: bool
 
-def mu_of(force: Array) -> float:
-    """Coefficient that a force (3,) of normal, forward and sideways part makes use of; 0 where there is no load."""
-    return float(np.hypot(force[1], force[2]) / force[0]) if force[0] > 0.0 else 0.0
+    def mu(self, slip: float) -> float:
+        """At a slip in m/s. A pair without a tyre law has its static coefficient until it lets go."""
+        table, i, j = self.table, self.tyre, self.ground
+        law = table[i, j, LAW] if table.shape[2] > LAW else COULOMB
+        if law >= BRUSH:
+            mu, _ = tyre_coefficient(table, i, j, slip / max(self.speed, SLOW_WHEEL))
+            return float(mu)
+        if not self.sliding:
+            return float(table[i, j, STATIC_MU])
+        return float(table[i, j, DYNAMIC_MU] if law == COULOMB else coefficient(table, i, j, slip))
+
+    def alpha(self, slip: float, free: float, grip: float, used: float, beyond: float) -> float:
+        """Slip over mu (m/s) for the next round.
+
+        Args:
+            slip: of this round, m/s. used: the coefficient that its force makes use of.
+            free: slip without that force, m/s. grip: what friction takes from it for a mu of one, m/s.
+            beyond: by what factor all wheels that hold pull beyond what they can, 1 if they do not.
+        """
+        slip = max(slip, STICKS)
+        mu, step = self.mu(slip), 1e-4 * slip
+        rise = (self.mu(slip + step) - mu) / step
+        if slip < LETS_GO and mu > 0.0:
+            # a step longer than this one would throw the load from wheel to wheel: each has what the others leave to it
+            slip *= min(max(used / mu, 0.1), 10.0) * min(beyond**TOGETHER, 10.0)
+        else:
+            slip -= (slip + grip * mu - free) / (1.0 + max(grip * rise, STEEPEST))
+        slip = max(slip, STICKS)
+        return slip / max(self.mu(slip), 1e-12)

@@ -169,7 +169,7 @@ class Vehicle:
 
     @property
     def work(self) -> VehicleWork:
-        """Where its energy went so far. The world's ledger has all of it, as work of applied forces."""
+        """Where its energy went so far. The world's ledger has what tyres lose as friction, the rest as work."""
         return VehicleWork(*self._run.work.tolist())
 
     def steering_angles(self) -> Array:
@@ -268,7 +268,9 @@ class Vehicle:
             self._press(hits, on, J, found.force)
             before = (J @ velocity - ground).reshape(-1, 3)
             slip = np.stack([before[:, 1] - self._radius[on] * old_spin[on], before[:, 2]], axis=1)
-            run.work[1] -= 0.5 * dt * float((found.force[:, 1:] * (slip + found.slip)).sum())
+            lost = -0.5 * dt * float((found.force[:, 1:] * (slip + found.slip)).sum())
+            run.work[1] += lost
+            world._note_friction(chassis.index, lost)
             opening = (J @ (free + dt * (inverse @ total)) - ground)[0::3]
             run.work[3] += dt * float((self._damping[on] * opening**2)[found.force[:, 0] > 0.0].sum())
         # what a wheel's spin gains or loses the chassis feels

@@ -102,8 +102,9 @@ class _Driver:
 class Simulation:
     """A world built from a scene, and its way to the end of the scene.
 
-    Vehicles are driven in every step, with the controls of the middle of the step. Pushes and velocity changes happen at their times, however the steps are cut into calls of :meth:`advance`. A push
-    that begins or ends within a step acts in it with the share of its force that gives the right impulse.
+    Pushes and velocity changes happen at their times, however the steps are cut into calls of :meth:`advance`. A push
+    that begins or ends within a step acts in it with the share of its force that gives the right impulse. Vehicles are
+    driven in every step, with the controls of its middle.
 
     Args:
         scene: what to simulate.
