@@ -38,7 +38,7 @@ STEEPEST = -0.5
 """w N mu'(s) at least, where mu falls."""
 TOGETHER = 8.0
 """Power of the factor by which all wheels pull beyond what they can hold."""
-ENOUGH = 1e-7
+ENOUGH = 1e-6
 """Of the largest force, change in a round that ends the rounds."""
 STICKS = 1e-9
 """m/s, least slip, for alpha must not be zero."""

@@ -75,10 +75,6 @@ class Vehicle:
         drive_torque: at full throttle, N m, of all wheels together. brake_torque: at full brake, N m.
         visible: add a kinematic cylinder for each wheel that meets nothing, to be looked at.
 
-    Attributes:
-        throttle: -1 (backwards) to 1. brake: 0 to 1. steer: of the middle of the steered axle, rad to the left; the
-            wheels turn about a common centre on the line of the axle that is not steered (Ackermann).
-
     Raises:
         InvalidInputError: a value is not allowed; the world is as before.
     """
@@ -147,7 +143,7 @@ class Vehicle:
 
     @property
     def steer(self) -> float:
-        """Steering angle of the middle of the steered axle, rad to the left."""
+        """Steering angle of the middle of the steered axle, rad to the left; see :meth:`steering_angles`."""
         return self._steer
 
     @steer.setter
@@ -173,7 +169,10 @@ class Vehicle:
         return VehicleWork(*self._run.work.tolist())
 
     def steering_angles(self) -> Array:
-        """Angle of each wheel, (k,), rad to the left: all axles point to one centre (Ackermann)."""
+        """Angle of each wheel, (k,), rad to the left.
+
+        All axles point to one centre on the line of those that are not steered (Ackermann).
+        """
         angles = np.zeros(len(self.wheels))
         if self._steer == 0.0:
             return angles

@@ -25,7 +25,7 @@ from stiction.scene import Simulation, builtin_names, builtin_text, load
 from stiction.verify.setups import delay, rounding
 
 G = 9.81
-NAMES = ["ball", "billiards", "conveyor", "dominoes", "push-and-release", "pyramid", "ramp"]
+NAMES = ["ball", "billiards", "conveyor", "dominoes", "push-and-release", "pyramid", "ramp", "vehicle"]
 
 _folder = tempfile.TemporaryDirectory(prefix="stiction-scenes-")
 
@@ -280,3 +280,20 @@ def test_on_the_conveyor_each_crate_reaches_the_belts_speed_after_v_over_mu_g() 
         assert set(motion[after]) == {Motion.STICKING}
         slipped_back = belt**2 / (2 * mu * G)
         np.testing.assert_allclose(traveled("conveyor", name)[-1], belt * frames.times[-1] - slipped_back, atol=1e-3)
+
+
+def test_with_the_left_wheels_on_ice_a_car_turns_to_the_right_as_it_brakes() -> None:
+    frames = recorded("vehicle").frames
+    first, second = (column("vehicle")[name] for name in ("on asphalt", "half on ice"))
+    # the brakes come on between 0.5 s and 0.6 s, as straight as the controls say, so as if at 0.55 s
+    deceleration = 2800.0 / (0.3 * (1200.0 + 4 * 0.5 * 20.0))
+    x, v, q = frames.positions, frames.velocities, frames.orientations
+    assert abs(x[-1, first, 0] - 20.0 * 0.55 - 20.0**2 / (2 * deceleration)) < 0.01 * x[-1, first, 0]
+    assert np.abs(x[:, first, 1] + 6.0).max() < 1e-3 and np.abs(q[:, first, 3]).max() < 1e-4
+    stands = np.argmax(v[:, first, 0] < 0.01)
+    assert 0 < stands < len(frames) - 1 and v[stands, second, 0] > 3.0
+    yaw = np.unwrap(2.0 * np.arctan2(q[:, second, 3], q[:, second, 0]))
+    braking = frames.times > 0.7
+    assert yaw[-1] < -1.0 and (np.diff(yaw[braking]) < 0.0).all()
+    wheel = column("vehicle")["on asphalt wheel 0"]
+    assert np.abs(x[:, wheel, :2] - x[:, first, :2] - (1.3, 0.75)).max() < 0.02
