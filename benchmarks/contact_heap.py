@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
+from docs_table import write_between
 from rich.progress import track
 
 import stiction as st
@@ -20,8 +20,6 @@ from stiction.bench.engines.with_stiction import Adapter
 from stiction.bench.granular import heap
 from stiction.problems import ContactProblem, natural_map, residuals, solve
 
-PAGE = Path(__file__).parents[1] / "docs" / "contact-problems.md"
-BEGIN, END = "<!-- heap: begin, made by benchmarks/contact_heap.py --docs -->", "<!-- heap: end -->"
 SECONDS = 10.0
 SWEEPS = (10, 100, 1000)
 STEPS = 60
@@ -72,20 +70,19 @@ def table_of(n: int) -> str:
     assert problem.places is not None
     warm = problem.places.impulses
     errors = []
-    follow = world
     cold_world = without_memory(world)
     cold_problem = cold_world.contact_problem()
     assert cold_problem.places is not None
     cold = cold_problem.places.impulses
     cold_world.step()
     cold_left = cold_world.residual()
-    follow.step()
-    warm_left = follow.residual()
+    world.step()
+    warm_left = world.residual()
     for _ in range(STEPS):
-        later = follow.contact_problem()
+        later = world.contact_problem()
         assert later.places is not None
         errors.append(natural_map(later, later.places.impulses))
-        follow.step()
+        world.step()
     lines = [
         f"{n} boxes after {SECONDS:g} s, the fastest at {speed:.0e} m/s: {problem.contacts} points, "
         f"coefficient {problem.mu.min():g}, typical mass {typical_mass(problem):.0f} kg.",
@@ -116,9 +113,7 @@ def main(arguments: list[str]) -> None:
     made = table_of(numbers[0] if numbers else 500)
     print(made)
     if "--docs" in arguments:
-        text = PAGE.read_text(encoding="utf-8")
-        before, rest = text.split(BEGIN)
-        PAGE.write_text(f"{before}{BEGIN}\n{made}\n{END}{rest.split(END)[1]}", encoding="utf-8")
+        write_between("contact-problems.md", "heap", made)
 
 
 if __name__ == "__main__":
