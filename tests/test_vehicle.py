@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import doctest
 import math
 
 import numpy as np
 import pytest
 
 import stiction as st
+from stiction import vehicle
 
 G = 9.81
 MASS, BASE, TRACK, RADIUS = 1200.0, 2.6, 1.5, 0.3
@@ -292,6 +294,11 @@ def test_the_same_drive_gives_the_same_bits():
         made.step(20)
         hashes.append(made.world.state_hash())
     assert hashes[0] == hashes[1]
+
+
+def test_the_example_gives_what_is_shown():
+    failed, tried = doctest.testmod(vehicle)
+    assert failed == 0 and tried > 0
 
 
 def test_apply_is_for_one_step():
