@@ -54,7 +54,7 @@ def yaw(body):
 
 def test_it_stands_where_it_was_put():
     made = car()
-    made.step(60)
+    made.step(30)
     assert made.chassis.position == pytest.approx((0, 0, 0.55), abs=1e-6)
     assert [state.load for state in made.states] == pytest.approx([MASS * G / 4] * 4)
 
@@ -73,8 +73,8 @@ def test_axles_carry_by_their_levers():
 
 def test_straight_on_it_keeps_speed_and_line():
     made = car(20.0)
-    made.step(120)
-    assert made.chassis.position == pytest.approx((40, 0, 0.55), abs=1e-4)
+    made.step(60)
+    assert made.chassis.position == pytest.approx((20, 0, 0.55), abs=1e-4)
     assert made.chassis.velocity == pytest.approx((20, 0, 0), abs=1e-4)
     assert [state.spin for state in made.states] == pytest.approx([20 / RADIUS] * 4, rel=1e-5)
 
@@ -84,18 +84,18 @@ def test_a_dropped_car_comes_to_rest_on_its_springs():
     made.chassis.position = (0, 0, 0.75)
     made.step(5)
     assert made.states[0].ground is None and made.states[0].load == 0.0
-    made.step(175)
+    made.step(100)
     assert made.chassis.position[2] == pytest.approx(0.55, abs=1e-4)
 
 
 # --- braking and pulling ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("speed", "dt"), [(20.0, 1 / 60), (10.0, 1 / 60), (10.0, 1 / 240)])
+@pytest.mark.parametrize(("speed", "dt"), [(20.0, 1 / 60), (6.0, 1 / 240)])
 def test_locked_wheels_stop_after_v2_over_2_mu_g(speed, dt):
     made = car(speed, dt=dt, brake_torque=1e5)
     made.brake = 1.0
-    made.step(round((speed / (MU * G) + 0.5) / dt))
+    made.step(round((speed / (MU * G) + 0.2) / dt))
     assert made.chassis.position[0] == pytest.approx(speed**2 / (2 * MU * G), rel=0.01)
     assert abs(made.chassis.position[1]) < 1e-6
     assert max(abs(state.spin) for state in made.states) == 0.0
@@ -103,10 +103,10 @@ def test_locked_wheels_stop_after_v2_over_2_mu_g(speed, dt):
 
 def test_locked_wheels_of_a_pair_with_two_constants_slide_by_the_dynamic_one():
     table = materials(static=0.8, dynamic=0.5, law=st.Coulomb())
-    made = car(8.0, table=table, brake_torque=1e5)
+    made = car(6.0, table=table, brake_torque=1e5)
     made.brake = 1.0
-    made.step(130)
-    assert made.chassis.position[0] == pytest.approx(64 / (2 * 0.5 * G), rel=0.01)
+    made.step(90)
+    assert made.chassis.position[0] == pytest.approx(36 / (2 * 0.5 * G), rel=0.01)
 
 
 @pytest.mark.parametrize(("tangent", "holds"), [(0.78, True), (0.82, False)])
@@ -188,12 +188,12 @@ def test_axles_point_to_one_centre():
     assert rear == [0.0, 0.0]
 
 
-@pytest.mark.parametrize(("front", "rear"), [(15.0, 15.0), (10.0, 15.0), (15.0, 10.0)])
+@pytest.mark.parametrize(("front", "rear"), [(15.0, 15.0), (10.0, 15.0), (15.0, 12.0)])
 def test_yaw_rate_is_that_of_the_bicycle_model(front, rear):
     """r = v delta / (L + K v^2), K = (W_f / C_f - W_r / C_r) / g; cornering stiffness is load times that of the law."""
     made = car(20.0, table=materials(front, rear))
     made.steer = 0.0005
-    made.step(150)
+    made.step(120)
     speed = made.speed
     K = (1 / front - 1 / rear) / G
     assert made.chassis.angular_velocity[2] == pytest.approx(speed * 0.0005 / (BASE + K * speed**2), rel=0.01)
@@ -202,8 +202,8 @@ def test_yaw_rate_is_that_of_the_bicycle_model(front, rear):
 def test_no_more_than_mu_g_across():
     made = car(20.0)
     most = 0.0
-    for k in range(150):
-        made.steer = min(0.15, 0.1 * k / 60)
+    for k in range(100):
+        made.steer = min(0.15, 0.15 * k / 60)
         before = made.chassis.velocity
         made.step()
         change = (made.chassis.velocity - before) * 60

@@ -9,10 +9,11 @@ for all wheels at once. Whatever dt is, that has no limit of stability, and wher
     wheel      I (w' - w) / dt = drive + brake - r F_f; the brake holds the wheel if it can, else it has its full torque
 
 The equations are linear but for alpha, for which wheels are on the ground and for which are locked. These are found by
-going round, from where the step before has left alpha. With the forces of a round, a tyre that slips takes a Newton
-step towards the slip that it would have alone, s + w N mu(s) = |slip without its own force|, w being the inverse mass
-that it feels. One that holds goes towards mu(s) N = |its force|, so that wheels share by load what nothing else
-determines; and all together, where they pull beyond what all can hold. Pairs without a tyre law have two coefficients:
+going round, from where the step before has left alpha. With the forces of a round, a tyre that slips so much that its
+friction hardly grows any more takes a Newton step towards the slip that it would have alone, s + w N mu(s) = |slip
+without its own force|, w being the inverse mass that it feels; below that the slip of the round serves. One that holds
+goes towards mu(s) N = |its force|, so that wheels share by load what nothing else determines; and all together, where
+they pull beyond what all can hold. Pairs without a tyre law have two coefficients:
 found with the static one, those that slip let go, and it is found again.
 """
 
@@ -36,6 +37,8 @@ DAMPED = 25
 """From this round on half of the change of alpha is taken: laws that fall steeply beyond their peak go to and fro."""
 STEEPEST = -0.5
 """w N mu'(s) at least, where mu falls."""
+LINEAR = 0.5
+"""d ln mu / d ln s from which on mu / s hardly changes, so that the slip of a round serves the next one as it is."""
 TOGETHER = 8.0
 """Power of the factor by which all wheels pull beyond what they can hold."""
 ENOUGH = 1e-6
@@ -208,7 +211,7 @@ class _Friction(NamedTuple):
         if slip < LETS_GO and mu > 0.0:
             # a step longer than this one would throw the load from wheel to wheel: each has what the others leave to it
             slip *= min(max(used / mu, 0.1), 10.0) * min(beyond**TOGETHER, 10.0)
-        else:
+        elif rise * slip < LINEAR * mu:
             slip -= (slip + grip * mu - free) / (1.0 + max(grip * rise, STEEPEST))
         slip = max(slip, STICKS)
         return slip / max(self.mu(slip), 1e-12)
