@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import braking_on_ice
 import clipping
 import push_and_release
 import stopping
@@ -10,7 +11,7 @@ import threshold
 
 def main() -> None:
     """Draw all of them and print the numbers that the pages quote."""
-    for figure in (stopping, clipping, push_and_release, threshold):
+    for figure in (stopping, clipping, push_and_release, threshold, braking_on_ice):
         print(f"--- {figure.__name__}")
         figure.draw()
 

@@ -22,6 +22,8 @@ from stiction.pair_properties import PairProperties
 from stiction.queries import RayHit, RayHits
 from stiction.reports import Energy, SolverReport
 from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+from stiction.vehicle import Vehicle
+from stiction.wheels import VehicleWork, Wheel, WheelState, four_wheels
 from stiction.world import World
 
 __all__ = [
@@ -56,6 +58,11 @@ __all__ = [
     "StictionError",
     "StictionWarning",
     "Stribeck",
+    "Vehicle",
+    "VehicleWork",
+    "Wheel",
+    "WheelState",
     "World",
     "__version__",
+    "four_wheels",
 ]

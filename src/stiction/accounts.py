@@ -17,6 +17,7 @@ from stiction.errors import IterationLimitWarning, NotYetError
 from stiction.reports import Energy, SolverReport
 
 if TYPE_CHECKING:
+    from stiction.problems import ContactProblem
     from stiction.store import Store
 
 Array = NDArray[np.float64]
@@ -39,6 +40,8 @@ class Accounts:
             """Take steps."""
 
         def _own(self, name: str, body: Any) -> None: ...
+
+        def _pair_table(self) -> Array: ...
 
     def contacts(self, body: Body | None = None) -> NDArray[Any]:
         """Contact points of the last step, one row each (see :data:`stiction.contacts.CONTACT_DTYPE`), a copy.
@@ -111,6 +114,36 @@ class Accounts:
         if self._solver != "exact":
             raise NotYetError(f"residual_log is not there with solver {self._solver!r}; solver 'exact' has it.")
         return self._store.miss_log()
+
+    def contact_problem(self) -> ContactProblem:
+        """The contact problem that the next step has to solve, to be solved or written elsewhere.
+
+        Contacts are the points that the step will find, each with the static coefficient of its pair, or with the
+        dynamic one where the step will have it slide. A gap that is open may close in the step; a closing speed above
+        the restitution threshold bounces; a penetration is pushed out in ``exact`` as there, and left alone in
+        ``soft``. Rolling and torsional resistance are not part of it. The world is as before; a copy of it takes the
+        step. Its mass matrix and contact matrix are in ``global_form``, points, frames and the world's own impulses in
+        ``places``.
+
+        >>> import stiction as st
+        >>> world = st.World()
+        >>> floor = world.add(st.Plane(), static=True)
+        >>> crate = world.add(st.Box((1, 1, 1)), position=(0, 0, 0.5))
+        >>> world.contact_problem().contacts
+        4
+
+        Raises:
+            InvalidInputError: nothing touches.
+            NotYetError: in a world of ``micro``, or where pairs have laws, grain or adhesion.
+        """
+        if self._solver == "micro":
+            raise NotYetError("contact_problem is not there yet with solver 'micro'; 'soft' and 'exact' have it.")
+        from stiction.soft_store import SoftStore
+        from stiction.step_problem import problem_of_next_step
+
+        assert isinstance(self._store, SoftStore)
+        title = f"{self._solver}, step {self._store.steps + 1}"
+        return problem_of_next_step(self._store, self._settings, self._pair_table(), title)
 
     def profile(self, steps: int) -> dict[str, float]:
         """Take steps, and tell how long each stage of them took, in ms a step.

@@ -108,6 +108,11 @@ class SoftStore(Store):
             tally[k] for k in (exact.PASSES, exact.HITS, exact.WORST)
         )
 
+    @property
+    def rigid(self) -> bool:
+        """Whether contacts are those of the exact solver."""
+        return self._exact is not None
+
     def miss_log(self) -> Array:
         """Misses of the last substep that the exact solver took, m/s, every fifth pass."""
         tally = self.scratch.tally

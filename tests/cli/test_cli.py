@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from stiction.problems import ContactProblem
 from stiction.record.hdf5 import load_frames
 
 from .support import call
@@ -43,6 +44,18 @@ def test_run_as_json_is_json_and_nothing_else(
     assert ball["motion"] == "rolling"
     assert abs(result["energy"]["residual"]) < 1e-9
     assert len(result["state_hash"]) == 32
+
+
+def test_run_exports_the_contact_problem_of_the_step_that_would_come(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = tmp_path / "new" / "a.hdf5"
+    options = ("--seconds", "0.1", "--json", "--export-problem", str(file))
+    assert call(monkeypatch, "run", "push-and-release", *options) == 0
+    assert json.loads(capsys.readouterr().out)["time"] == pytest.approx(0.1)
+    assert ContactProblem.read(file).contacts == 12
+    assert call(monkeypatch, "run", "ball", "--export-problem", str(tmp_path / "a.csv")) == 2
+    assert "--export-problem must end in .hdf5" in capsys.readouterr().err
 
 
 def test_seconds_replace_the_scenes_own_time(

@@ -27,7 +27,7 @@ from stiction.verify.setups import delay, rounding
 G = 9.81
 NAMES = [
     "ball", "billiards", "conveyor", "disc", "dominoes", "heap", "pull", "push-and-release", "pyramid", "ramp",
-    "stick-slip",
+    "stick-slip", "vehicle",
 ]  # fmt: skip
 
 _folder = tempfile.TemporaryDirectory(prefix="stiction-scenes-")
@@ -343,3 +343,20 @@ def test_the_heap_comes_to_rest_and_floor_walls_and_panes_carry_it() -> None:
     weight = sum(simulation.world.bodies[body].mass for body in bodies) * G
     np.testing.assert_allclose(force, [0.0, 0.0, weight], atol=0.01 * weight)
     assert set(bodies) <= set(rows["body_a"]) | set(rows["body_b"])
+
+
+def test_with_the_left_wheels_on_ice_a_car_turns_to_the_right_as_it_brakes() -> None:
+    frames = recorded("vehicle").frames
+    first, second = (column("vehicle")[name] for name in ("on asphalt", "half on ice"))
+    # the brakes come on between 0.5 s and 0.6 s, as straight as the controls say, so as if at 0.55 s
+    deceleration = 2800.0 / (0.3 * (1200.0 + 4 * 0.5 * 20.0))
+    x, v, q = frames.positions, frames.velocities, frames.orientations
+    assert abs(x[-1, first, 0] - 20.0 * 0.55 - 20.0**2 / (2 * deceleration)) < 0.01 * x[-1, first, 0]
+    assert np.abs(x[:, first, 1] + 6.0).max() < 1e-3 and np.abs(q[:, first, 3]).max() < 1e-4
+    stands = np.argmax(v[:, first, 0] < 0.01)
+    assert 0 < stands < len(frames) - 1 and v[stands, second, 0] > 3.0
+    yaw = np.unwrap(2.0 * np.arctan2(q[:, second, 3], q[:, second, 0]))
+    braking = frames.times > 0.7
+    assert yaw[-1] < -1.0 and (np.diff(yaw[braking]) < 0.0).all()
+    wheel = column("vehicle")["on asphalt wheel 0"]
+    assert np.abs(x[:, wheel, :2] - x[:, first, :2] - (1.3, 0.75)).max() < 0.02

@@ -40,6 +40,10 @@ def run(
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value of the scene; repeatable.")
     ] = None,
     seconds: Annotated[float | None, typer.Option(help="Simulated time, instead of the scene's own.")] = None,
+    export_problem: Annotated[
+        Path | None,
+        typer.Option(help="Write the contact problem of the step after the last (FCLIB .hdf5, Siconos .dat)."),
+    ] = None,
 ) -> None:
     """Simulate a scene and print a table: how far each body went, how it moves now, and what friction took.
 
@@ -48,6 +52,7 @@ def run(
       stiction run ramp --html ramp.html --plot ramp.png
       stiction run pull --plot pull --plot energy=out/energy.svg
       stiction run ramp --set frames.ramp.rotation.angle_deg=25 --json
+      stiction run pyramid --seconds 0.5 --export-problem pyramid.hdf5
     """
     from stiction.plot.track import Observer
     from stiction.record.run import run as run_simulation
@@ -61,6 +66,12 @@ def run(
         if path is not None:
             outputs.writable(option, path, make_folder=True)
     figures = wanted(list(plot or []), Path(scene).stem)
+    if export_problem is not None:
+        from stiction.problems.problem import check_ending
+
+        check_ending("--export-problem", export_problem)
+        outputs.writable("--export-problem", export_problem, make_folder=True)
+
     simulation = Simulation(load(scene, overrides))
     world = simulation.world
     check_bodies(figures, body, [one.name for one in world])
@@ -92,6 +103,9 @@ def run(
         say(f"page: {html}")
     if recorder is not None and figures:
         write(figures, recorder.track(), body)
+    if export_problem is not None:
+        world.contact_problem().write(export_problem)
+        say(f"contact problem: {export_problem}")
     if record is not None:
         say(f"recording: {record}")
 

@@ -10,8 +10,18 @@
 from __future__ import annotations
 
 from stiction.problems.blocks import BlockMatrix
-from stiction.problems.problem import ContactProblem, GlobalForm
+from stiction.problems.problem import ContactPlaces, ContactProblem, GlobalForm
 from stiction.problems.residuals import Residuals, natural_map, residuals
 from stiction.problems.solve import Solution, solve
 
-__all__ = ["BlockMatrix", "ContactProblem", "GlobalForm", "Residuals", "Solution", "natural_map", "residuals", "solve"]
+__all__ = [
+    "BlockMatrix",
+    "ContactPlaces",
+    "ContactProblem",
+    "GlobalForm",
+    "Residuals",
+    "Solution",
+    "natural_map",
+    "residuals",
+    "solve",
+]

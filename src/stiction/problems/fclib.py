@@ -9,6 +9,10 @@ Acary, Brémond, Koziara, Pérignon, "FCLIB: a collection of discrete 3D Frictio
 A matrix is stored as in CSparse: m, n, nzmax, and ``nz``, which says how to read the rest: -1 compressed columns
 (p: n + 1 pointers, i: rows), -2 compressed rows (p: m + 1 pointers, i: columns), else the number of triplets (i: rows,
 p: columns). Bilateral constraints (V, R, s; G, b) are not read.
+
+Where the contacts of a problem are known they stand beside it, in a group of our own that other readers do not look at:
+
+    stiction_places/{points, frames, bodies, impulses}
 """
 
 from __future__ import annotations
@@ -22,9 +26,10 @@ from numpy.typing import NDArray
 from stiction.errors import InvalidInputError, NotYetError, OutputError, StictionError
 
 if TYPE_CHECKING:
-    from stiction.problems.problem import ContactProblem, Form
+    from stiction.problems.problem import ContactPlaces, ContactProblem, Form
 
 BY_COLUMNS, BY_ROWS = -1, -2
+PLACES = "stiction_places"
 
 
 def read(path: Path) -> ContactProblem:
@@ -43,7 +48,7 @@ def read(path: Path) -> ContactProblem:
             group, form = _problem_group(path, file)
             mu = _vector(path, group, "vectors/mu")
             title, description = (_text(group, f"info/{name}") for name in ("title", "description"))
-            texts: Any = {"title": title, "description": description}
+            texts: Any = {"title": title, "description": description, "places": _places(path, file, len(mu))}
             size = 3 * len(mu)
             if form == "local":
                 W = _matrix(path, group, "W", (size, size))
@@ -116,6 +121,22 @@ def _text(group: Any, name: str) -> str:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
+def _places(path: Path, file: Any, n: int) -> ContactPlaces | None:
+    """Where the contacts are, if the file says so."""
+    from stiction.problems.problem import ContactPlaces
+
+    if PLACES not in file:
+        return None
+    shapes = {"points": (n, 3), "frames": (n, 3, 3), "bodies": (n, 2), "impulses": (n, 3)}
+    found: dict[str, Any] = {}
+    for name, shape in shapes.items():
+        values = (_whole if name == "bodies" else _vector)(path, file[PLACES], name)
+        if values.size != np.prod(shape):
+            raise InvalidInputError(f"{path}: {PLACES}/{name} must hold {np.prod(shape)} numbers, got {values.size}.")
+        found[name] = values.reshape(shape)
+    return ContactPlaces(**found)
+
+
 def _matrix(path: Path, group: Any, name: str, shape: tuple[int, int]) -> Any:
     """A sparse matrix in any of the three storages, which must have the shape that the vectors ask for."""
     from scipy.sparse import coo_array
@@ -179,6 +200,9 @@ def write(problem: ContactProblem, path: Path, form: Form) -> None:
             texts = {"title": problem.title, "description": problem.description, "math_info": ""}
             for name, text in texts.items():
                 group[f"info/{name}"] = np.bytes_(text.encode("utf-8") + b"\0")
+            if problem.places is not None:
+                for name, values in vars(problem.places).items():
+                    file[f"{PLACES}/{name}"] = values
     except OSError as error:
         raise OutputError(f"{path} cannot be written: {error}.") from None
 

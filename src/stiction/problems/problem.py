@@ -52,6 +52,25 @@ class GlobalForm:
     w: Vector
 
 
+@dataclass(frozen=True, eq=False)
+class ContactPlaces:
+    """Where the contacts of a problem are, for one that was taken out of a world.
+
+    Attributes:
+        points: (n, 3), m.
+        frames: (n, 3, 3): the columns are the normal, from body a to body b, and the two directions in the plane, in
+            which the blocks of three are written.
+        bodies: (n, 2), indices of a and b in the world.
+        impulses: (n, 3) in N s, what the world's own solver gives these points in that step, on b, the normal
+            component first. The friction of a face acts on it as a whole and is told at its points by their loads.
+    """
+
+    points: Vector
+    frames: Vector
+    bodies: NDArray[np.int64]
+    impulses: Vector
+
+
 class ContactProblem:
     """n contacts with dry friction: W (3n x 3n), q (3n,) and mu (n,), the normal component first in each block of 3.
 
@@ -61,6 +80,8 @@ class ContactProblem:
         mu: coefficients of friction, (n,) or one number for all.
         title: a name to show.
         description: where it is from.
+        global_form: the same problem with the bodies in it, if it is known.
+        places: where the contacts are, if it is known.
 
     Raises:
         InvalidInputError: a shape does not fit, a number is not finite, or a coefficient is below zero.
@@ -79,6 +100,7 @@ class ContactProblem:
         title: str = "",
         description: str = "",
         global_form: GlobalForm | None = None,
+        places: ContactPlaces | None = None,
     ) -> None:
         blocks = W if isinstance(W, BlockMatrix) else BlockMatrix.of(W)
         n = blocks.rows
@@ -91,6 +113,7 @@ class ContactProblem:
         self.title = title
         self.description = description
         self.global_form = global_form
+        self.places = places
         for array in (self.q, self.mu):
             array.flags.writeable = False
 
@@ -105,7 +128,16 @@ class ContactProblem:
 
     @classmethod
     def from_global(
-        cls, M: Any, H: Any, f: ArrayLike, w: ArrayLike, mu: ArrayLike, *, title: str = "", description: str = ""
+        cls,
+        M: Any,
+        H: Any,
+        f: ArrayLike,
+        w: ArrayLike,
+        mu: ArrayLike,
+        *,
+        title: str = "",
+        description: str = "",
+        places: ContactPlaces | None = None,
     ) -> ContactProblem:
         """The problem of bodies with masses M (d, d) and contacts H (d, 3n): M v = H r + f, u = H^T v + w.
 
@@ -135,7 +167,7 @@ class ContactProblem:
         W = H.T @ (hstack(moved, format="csc") if moved else H)
         q = moving + H.T @ inverse.solve(momentum)
         form = GlobalForm(M, H, momentum, moving)
-        return cls(W, q, mu, title=title, description=description, global_form=form)
+        return cls(W, q, mu, title=title, description=description, global_form=form, places=places)
 
     @classmethod
     def read(cls, path: str | PathLike[str]) -> ContactProblem:
@@ -168,10 +200,7 @@ class ContactProblem:
         from stiction.problems import fclib, siconos
 
         file = Path(path)
-        ending = file.suffix.lower()
-        if ending not in (".hdf5", ".h5", ".dat", ".txt"):
-            raise InvalidInputError(f"path must end in .hdf5, .h5 (FCLIB), .dat or .txt (Siconos), got {str(path)!r}.")
-        in_hdf5 = ending in (".hdf5", ".h5")
+        in_hdf5 = check_ending("path", file) in (".hdf5", ".h5")
         if form is None:
             form = "global" if in_hdf5 and self.global_form is not None else "local"
         checks.one_of("form", form, ("local", "global"))
@@ -183,6 +212,18 @@ class ContactProblem:
             fclib.write(self, file, form)
         else:
             siconos.write(self, file)
+
+
+def check_ending(name: str, path: Path) -> str:
+    """The ending of a file to write, in small letters.
+
+    Raises:
+        InvalidInputError: it names no known format.
+    """
+    ending = path.suffix.lower()
+    if ending not in (".hdf5", ".h5", ".dat", ".txt"):
+        raise InvalidInputError(f"{name} must end in .hdf5, .h5 (FCLIB), .dat or .txt (Siconos), got {str(path)!r}.")
+    return ending
 
 
 def _finite(name: str, array: Vector, size: int) -> Vector:

@@ -89,11 +89,16 @@ def _name(value: str) -> str:
     return value
 
 
-def _fraction(value: Any) -> float:
-    result = checks.number("", value)
-    if not 0.0 <= result <= 1.0:
-        raise fault(f"must be between 0 and 1, got {value!r}.")
-    return result
+def between(low: float, high: float) -> BeforeValidator:
+    """A finite number from ``low`` to ``high``."""
+
+    def run(value: Any) -> float:
+        result = checks.number("", value)
+        if not low <= result <= high:
+            raise fault(f"must be between {low:g} and {high:g}, got {value!r}.")
+        return result
+
+    return BeforeValidator(run)
 
 
 def word(*allowed: str) -> BeforeValidator:
@@ -138,7 +143,10 @@ Force = Annotated[float, Field(ge=0.0), zero_or_more("N")]
 Stiffness = Annotated[float, Field(gt=0.0), above_zero("N/m")]
 Pressure = Annotated[float, Field(ge=0.0), zero_or_more("Pa")]
 Arm = Annotated[float, Field(ge=0.0), zero_or_more("m")]
-Fraction = Annotated[float, Field(ge=0.0, le=1.0), BeforeValidator(_fraction)]
+Fraction = Annotated[float, Field(ge=0.0, le=1.0), between(0.0, 1.0)]
+Frequency = Annotated[float, Field(gt=0.0), above_zero("Hz")]
+Ratio = Annotated[float, Field(ge=0.0), zero_or_more("")]
+Torque = Annotated[float, Field(ge=0.0), zero_or_more("N m")]
 
 
 class Table(BaseModel):

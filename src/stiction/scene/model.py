@@ -14,6 +14,7 @@ from stiction import shapes
 from stiction.checks import nearest
 from stiction.scene import fields
 from stiction.scene.fields import Flag, Name, Number, Table, Text, Vector, fault
+from stiction.scene.model_vehicle import VehicleTable
 from stiction.world import SOLVERS
 
 MOST_COPIES = 100_000
@@ -344,3 +345,5 @@ class SceneTable(Table):
     """Springs that pull bodies."""
     velocity_changes: tuple[VelocityChangeTable, ...] = ()
     """New velocities of kinematic bodies."""
+    vehicles: tuple[VehicleTable, ...] = ()
+    """Wheels under bodies, and their drivers."""

@@ -61,6 +61,16 @@ def check_references(scene: SceneTable, materials: MaterialTable) -> None:
         _must_exist(f"{where}.frame", change.frame, scene.frames, "frame")
         if not bodies[change.body].kinematic:
             raise InvalidInputError(f"{where}.body: must be a kinematic body, and {change.body!r} is not.")
+    vehicles: set[str] = set()
+    for number, vehicle in enumerate(scene.vehicles):
+        where = f"vehicles[{number}]"
+        if vehicle.name in vehicles:
+            raise InvalidInputError(f"{where}.name: must be unique in a scene, got {vehicle.name!r} twice.")
+        vehicles.add(vehicle.name)
+        _must_exist(f"{where}.chassis", vehicle.chassis, bodies, "body")
+        _must_exist(f"{where}.tyre", vehicle.tyre, materials.materials, "material")
+        if bodies[vehicle.chassis].static or bodies[vehicle.chassis].kinematic:
+            raise InvalidInputError(f"{where}.chassis: must be a dynamic body, and {vehicle.chassis!r} is not.")
 
 
 def _must_exist(path: str, name: str | None, known: Iterable[str], what: str) -> None:

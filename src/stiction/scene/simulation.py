@@ -12,8 +12,12 @@ from numpy.typing import NDArray
 from stiction import checks
 from stiction.body import Body
 from stiction.errors import InvalidInputError
+from stiction.scene.model_vehicle import VehicleTable
 from stiction.scene.placing import frame_of, turned
 from stiction.scene.scene import Scene
+from stiction.vehicle import Vehicle
+from stiction.wheels import four_wheels
+from stiction.world import World
 
 Array = NDArray[np.float64]
 
@@ -100,12 +104,48 @@ class _Change:
             self.body.angular_velocity = self.angular_velocity
 
 
+class _Driver:
+    """A vehicle and what its driver does over time."""
+
+    def __init__(self, table: VehicleTable, world: World) -> None:
+        wheels = four_wheels(
+            front=table.front,
+            rear=table.rear,
+            track=table.track,
+            hub_height=table.hub_height,
+            radius=table.radius,
+            width=table.width,
+            wheel_mass=table.wheel_mass,
+            tyre=table.tyre,
+            drive=table.drive,
+            brake_front=table.brake_front,
+        )
+        self.vehicle = Vehicle(
+            world,
+            world[table.chassis],
+            wheels,
+            frequency=table.frequency,
+            damping=table.damping,
+            drive_torque=table.drive_torque,
+            brake_torque=table.brake_torque,
+        )
+        self._times = [row.time for row in table.controls]
+        self._rows = np.array([(row.throttle, row.brake, math.radians(row.steer_deg)) for row in table.controls])
+
+    def drive(self, time: float) -> None:
+        """Set the controls to what they are at that time, and apply the forces of the wheels for the coming step."""
+        if self._times:
+            throttle, brake, steer = (float(np.interp(time, self._times, column)) for column in self._rows.T)
+            self.vehicle.throttle, self.vehicle.brake, self.vehicle.steer = throttle, brake, steer
+        self.vehicle.apply()
+
+
 class Simulation:
     """A world built from a scene, and its way to the end of the scene.
 
     Pushes and velocity changes happen at their times, however the steps are cut into calls of :meth:`advance`. A push
     that begins or ends within a step acts in it with the share of its force that gives the right impulse. Springs pull
-    in every step.
+    in every step; vehicles are driven in every step, with the controls of its middle.
 
     Args:
         scene: what to simulate.
@@ -114,6 +154,7 @@ class Simulation:
         scene: the scene.
         world: its world, at time 0.
         total_steps: number of steps that come nearest to the scene's duration, at least one.
+        vehicles: its vehicles by their names.
 
     Raises:
         InvalidInputError: a spring is too stiff for the time step; and see :meth:`Scene.build`.
@@ -125,6 +166,8 @@ class Simulation:
         self.world = scene.build()
         dt = self.world.dt
         self.total_steps = max(1, round(scene.duration / dt))
+        self._drivers = self._make_drivers()
+        self.vehicles = {name: driver.vehicle for name, driver in self._drivers.items()}
         self._pushes = self._make_pushes(dt)
         self._springs = self._make_springs(dt)
         self._changes = self._make_changes(dt)
@@ -161,13 +204,24 @@ class Simulation:
             pushed = [push.apply(now) for push in self._pushes]
             for spring in self._springs:
                 spring.apply(now * self.world.dt, self.world.dt)
-            acts = any(pushed) or bool(self._springs)
-            self.world.step(1 if acts else self._next_stop(now, goal) - now)
+            for driver in self._drivers.values():
+                driver.drive((now + 0.5) * self.world.dt)
+            one_by_one = any(pushed) or bool(self._springs or self._drivers)
+            self.world.step(1 if one_by_one else self._next_stop(now, goal) - now)
 
     def _next_stop(self, now: int, goal: int) -> int:
         """The next step at which something happens from outside, or the goal."""
         after = bisect.bisect_right(self._stops, now)
         return min(goal, self._stops[after]) if after < len(self._stops) else goal
+
+    def _make_drivers(self) -> dict[str, _Driver]:
+        made = {}
+        for number, table in enumerate(self.scene.table.vehicles):
+            try:
+                made[table.name] = _Driver(table, self.world)
+            except InvalidInputError as error:
+                raise InvalidInputError(f"vehicles[{number}]: {error}") from None
+        return made
 
     def _make_pushes(self, dt: float) -> list[_Push]:
         pushes = []
