@@ -80,11 +80,12 @@ def sweep(
         return
     if retry and not resume:
         raise InvalidInputError("--retry goes with --resume.")
+    sweeps.check_backend(backend, workers, address)
     loaded = sweeps.load(spec, set_ or [])
     if map_ is not None:
         _check_map(loaded, map_)
     if plan:
-        _print_plan(loaded, _plan(loaded, backend, workers, quiet=json), json)
+        _print_plan(loaded, _plan(loaded, 1 if backend == "inline" else workers, quiet=json), json)
         return
 
     folder = out_ or Path(f"{loaded.name}.sweep")
@@ -127,18 +128,13 @@ def _check_map(loaded: Sweep, path: Path) -> None:
     check_path("--map", path, make_folder=True)
 
 
-def _plan(loaded: Sweep, backend: str, workers: int | None, *, quiet: bool) -> SweepPlan:
-    from stiction import checks
+def _plan(loaded: Sweep, workers: int | None, *, quiet: bool) -> SweepPlan:
     from stiction.sweep import make_plan
-    from stiction.sweep.backends import BACKENDS
     from stiction.sweep.backends.local import cores
 
-    checks.one_of("--backend", backend, BACKENDS)
-    if workers is not None:
-        workers = checks.integer("--workers", workers, minimum=1)
     if not quiet:
         say("trying some runs …")
-    return make_plan(loaded, 1 if backend == "inline" else workers or cores())
+    return make_plan(loaded, workers or cores())
 
 
 def _print_plan(loaded: Sweep, plan: SweepPlan, json: bool) -> None:

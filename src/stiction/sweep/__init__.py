@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+from stiction.sweep.backends import check as check_backend
 from stiction.sweep.backends import make as make_backend
 from stiction.sweep.driver import Outcome, Progress, SweepError, run_sweep
 from stiction.sweep.load import Sweep, builtin_names, builtin_text, from_dict, load
@@ -21,6 +22,7 @@ __all__ = [
     "SweepPlan",
     "builtin_names",
     "builtin_text",
+    "check_backend",
     "from_dict",
     "load",
     "make_backend",

@@ -44,7 +44,7 @@ _COMPARE: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
 }
 _NODES = (
     *(ast.Expression, ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp, ast.Call, ast.Name, ast.Constant),
-    *(ast.Subscript, ast.Slice, ast.Tuple, ast.Load, ast.And, ast.Or, *_BINARY, *_UNARY, *_COMPARE),
+    *(ast.keyword, ast.Subscript, ast.Slice, ast.Tuple, ast.Load, ast.And, ast.Or, *_BINARY, *_UNARY, *_COMPARE),
 )
 _WORDS = {
     ast.Attribute: "a dot with a name after it",

@@ -33,7 +33,7 @@ COLORS = ("#6a3d9a", "#e8590c", "#008f68", "#0072b2", "#b8860b", "#c2185b")
 """Of the classes, in order: those of rolling, sliding and sticking first."""
 FAILED, NO_CLASS = -2, -1
 """What stands for a class where a run failed, and where no class holds."""
-FINE = 1601
+FINE = 1001
 """Points along each axis at which the closed form is evaluated."""
 SIZE = (9.0, 6.2)
 DPI = 150

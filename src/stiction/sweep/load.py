@@ -58,7 +58,7 @@ class Sweep:
             every=table.every,
             contacts=contacts,
         )
-        self.points = Points(table, base_key(self.job.as_dict()))
+        self.points = Points(table, base_key(self.job.deciding()))
         _check_keys(self)
 
     def __repr__(self) -> str:
@@ -165,7 +165,7 @@ def _check_expressions(table: SweepTable, scene: SceneTable) -> list[Expression]
             name = getattr(table.map, axis)
             if name not in drawable:
                 raise InvalidInputError(
-                    f"map.{axis}: must be a parameter with numbers, got {name!r}{nearest(name, drawable)}."
+                    f"map.{axis}: must be a parameter with numbers, got {name!r}; they are {', '.join(drawable)}."
                 )
         if table.map.x == table.map.y:
             raise InvalidInputError(f"map.y: must not be the parameter of map.x, got {table.map.y!r} for both.")

@@ -2,6 +2,9 @@
 
 Each function is one method of :class:`Measures` with the decorator ``measure``; its docstring is what
 ``stiction sweep --functions`` prints. Series are arrays with an entry a frame, everything else is one value.
+
+Contact points are those of the step that led to a frame. Before the first step there are none; the first frame is given
+those of the second one, so that what slips from the beginning is seen to do so.
 """
 
 from __future__ import annotations
@@ -118,13 +121,13 @@ class Measures:
     @measure(contacts=True)
     def normal_force(self, body: str) -> Array:
         """Series (f,): sum of the normal forces at its contact points, N."""
-        impulses = self._sum_of_contacts(self._number(body), self.frames.contacts["normal_impulse"])
+        impulses = self._sum_of_contacts(self._number(body), self._rows["normal_impulse"])
         return np.asarray(impulses / self.frames.dt)
 
     @measure(contacts=True)
     def friction_force(self, body: str) -> Array:
         """Series (f,): size of the sum of the friction forces on it, N."""
-        number, rows = self._number(body), self.frames.contacts
+        number, rows = self._number(body), self._rows
         sign = np.where(rows["body_b"] == number, 1.0, -1.0)
         parts = [self._sum_of_contacts(number, sign * rows["friction_impulse"][:, axis]) for axis in range(3)]
         return np.asarray(np.linalg.norm(parts, axis=0) / self.frames.dt)
@@ -223,19 +226,32 @@ class Measures:
         return classify(self.world)
 
     @cached_property
+    def _rows(self) -> NDArray[Any]:
+        """Contact rows of all frames, those of the second one twice if the first has none."""
+        return np.concatenate([self.frames.contacts[: self._borrowed], self.frames.contacts])
+
+    @cached_property
+    def _borrowed(self) -> int:
+        """How many rows the first frame takes from the second one."""
+        offsets = self.frames.contact_offsets
+        return int(offsets[2]) if len(offsets) > 2 and offsets[1] == 0 and self.frames.times[0] == 0.0 else 0
+
+    @cached_property
     def _frame_of_row(self) -> NDArray[np.int64]:
-        return np.repeat(np.arange(len(self.frames)), np.diff(self.frames.contact_offsets))
+        counts = np.diff(self.frames.contact_offsets)
+        counts[0] += self._borrowed
+        return np.repeat(np.arange(len(self.frames)), counts)
 
     def _sum_of_contacts(self, number: int, values: Array) -> Array:
         """(f,) sum of a value a contact row over the rows of a body."""
-        rows = self.frames.contacts
+        rows = self._rows
         mine = (rows["body_a"] == number) | (rows["body_b"] == number)
         found = np.bincount(self._frame_of_row[mine], values[mine], minlength=len(self.frames))
         return np.asarray(found, np.float64)
 
     def _slips(self, number: int) -> tuple[Array, Array]:
         """(f,) sum of slip speed times normal impulse, and (f,) sum of normal impulse, over a body's contacts."""
-        rows = self.frames.contacts
+        rows = self._rows
         difference = self._point_velocities("body_a") - self._point_velocities("body_b")
         normal = rows["normal"]
         planar = difference - normal * np.sum(normal * difference, axis=1, keepdims=True)
@@ -245,7 +261,7 @@ class Measures:
 
     def _point_velocities(self, side: str) -> Array:
         """(rows, 3) velocity of one body's surface at every contact row, moving surfaces included, m/s."""
-        rows, at = self.frames.contacts, (self._frame_of_row, self.frames.contacts[side])
+        rows, at = self._rows, (self._frame_of_row, self._rows[side])
         centres, belts = self._centres_and_belts
         turns = self.frames.orientations[at]
         arm = rows["point"] - self.frames.positions[at] - turned(turns, centres[rows[side]])

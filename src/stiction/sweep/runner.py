@@ -50,6 +50,11 @@ class Job:
         """Plain data."""
         return asdict(self)
 
+    def deciding(self) -> dict[str, Any]:
+        """What decides the rows: all of it but the words about the scene."""
+        words = ("title", "expect")
+        return {**self.as_dict(), "scene": {key: value for key, value in self.scene.items() if key not in words}}
+
     def to_json(self) -> str:
         """One line of text."""
         return json.dumps(self.as_dict())

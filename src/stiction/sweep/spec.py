@@ -118,11 +118,18 @@ class ParameterTable(Table):
         return next(axis for axis in AXES if getattr(self, axis) is not None)
 
     @property
+    def size(self) -> int:
+        """How many values it has of itself: 1 if it is drawn."""
+        spaced = self.linspace or self.logspace
+        return len(self.values) if self.values is not None else spaced[2] if spaced is not None else 1
+
+    @property
     def column(self) -> str:
-        """Its name: what was given, or the last part of the key as an identifier."""
+        """Its name: what was given, or the last part of the key, or the last two where that one is reserved."""
         if self.name is not None:
             return self.name
-        last = self.key.rpartition(".")[2]
+        parts = self.key.split(".")
+        last = parts[-1] if parts[-1] not in RESERVED else "_".join(parts[-2:])
         return "".join(c if c.isalnum() else "_" for c in last).strip("_")
 
 
@@ -231,8 +238,7 @@ class SweepTable(Table):
     @property
     def count(self) -> int:
         """How many runs it has."""
-        sizes = [len(grid_values(parameter)) for parameter in self.parameters if parameter.axis not in DRAWN]
-        return math.prod(sizes) * (self.samples or 1)
+        return math.prod(parameter.size for parameter in self.parameters) * (self.samples or 1)
 
 
 def grid_values(parameter: ParameterTable) -> list[Any]:

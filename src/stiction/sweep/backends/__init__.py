@@ -7,11 +7,13 @@ its worker has answered or died. What is finished, what is put back and when to 
 
 from __future__ import annotations
 
+import importlib.util
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
 from stiction import checks
+from stiction.errors import InvalidInputError, NotYetError
 from stiction.sweep.points import Point
 from stiction.sweep.runner import Answer
 
@@ -67,6 +69,22 @@ class Backend(Protocol):
         ...
 
 
+def check(name: str, workers: int | None = None, address: str | None = None) -> None:
+    """Whether :func:`make` can be called with these: before the work, and without starting anything.
+
+    Raises:
+        InvalidInputError: no such name, a number below 1, an address without Ray.
+        NotYetError: Ray is not installed.
+    """
+    checks.one_of("--backend", name, BACKENDS)
+    if address is not None and name != "ray":
+        raise InvalidInputError(f"--address goes with --backend ray, got {address!r} with {name!r}.")
+    if workers is not None:
+        checks.integer("--workers", workers, minimum=1)
+    if name == "ray" and importlib.util.find_spec("ray") is None:
+        raise NotYetError("--backend ray needs Ray: pip install 'stiction[ray]'.")
+
+
 def make(name: str, workers: int | None = None, address: str | None = None) -> Backend:
     """The backend of that name.
 
@@ -76,17 +94,11 @@ def make(name: str, workers: int | None = None, address: str | None = None) -> B
         address: of a Ray cluster; a Ray on this machine if left out.
 
     Raises:
-        InvalidInputError: no such name, a number below 1, an address without Ray.
-        NotYetError: Ray is not installed.
+        InvalidInputError, NotYetError: see :func:`check`.
     """
-    from stiction.errors import InvalidInputError
     from stiction.sweep.backends.local import InlineBackend, LocalBackend
 
-    checks.one_of("--backend", name, BACKENDS)
-    if address is not None and name != "ray":
-        raise InvalidInputError(f"--address goes with --backend ray, got {address!r} with {name!r}.")
-    if workers is not None:
-        workers = checks.integer("--workers", workers, minimum=1)
+    check(name, workers, address)
     if name == "ray":
         from stiction.sweep.backends.ray import RayBackend
 

@@ -72,12 +72,15 @@ class LocalBackend:
                 if not busy:
                     return
                 worker, line = heard.get()
-                if worker not in busy:
-                    idle = [other for other in idle if other is not worker]  # it died while it had nothing to do
+                if worker not in busy:  # it died while it had nothing to do
+                    idle = [other for other in idle if other is not worker]
+                    worker.let_go()
                     continue
                 busy.discard(worker)
                 report = worker.report(line)
-                if report.answer is not None:
+                if report.answer is None:
+                    worker.let_go()
+                else:
                     idle.append(worker)
                 yield report
         finally:

@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from typing import Any
 
 from stiction.bench.worker import THREADS
-from stiction.errors import NotYetError
 from stiction.sweep.backends import Report, Take, Work
 from stiction.sweep.backends.local import cores
 from stiction.sweep.points import Point
@@ -26,19 +25,14 @@ class RayBackend:
     Args:
         workers: how many batches at a time; one for each core of the cluster if left out.
         address: of a cluster, such as ``auto`` or ``ray://head:10001``; a Ray on this machine if left out.
-
-    Raises:
-        NotYetError: Ray is not installed.
     """
 
     name = "ray"
 
     def __init__(self, workers: int | None = None, address: str | None = None) -> None:
         os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # a sweep tells nobody about itself
-        try:
-            import ray
-        except ImportError:
-            raise NotYetError("--backend ray needs Ray: pip install 'stiction[ray]'.") from None
+        import ray
+
         self._ray = ray
         self._owned = not ray.is_initialized()
         if self._owned:
