@@ -97,7 +97,7 @@ def test_lists(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[st
     assert call(monkeypatch, "slip-tip-hold", "--show") == 0
     assert capsys.readouterr().out.startswith("#")
     assert call(monkeypatch, "--functions") == 0
-    assert "slip_distance('body')" in capsys.readouterr().out
+    assert "slip_distance(body)" in capsys.readouterr().out
     assert call(monkeypatch, "--functions", "--json") == 0
     assert "tipped" in json.loads(capsys.readouterr().out)["measures"]
     assert call(monkeypatch, "--schema") == 0

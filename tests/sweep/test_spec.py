@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 from stiction.errors import InvalidInputError
 from stiction.sweep import builtin_names, builtin_text, from_dict, load
 from stiction.sweep.load import json_schema
+from stiction.sweep.runner import Runner
 
 from .support import CRATE, spec
 
@@ -87,6 +89,14 @@ def test_a_scene_is_a_name_a_table_or_a_file_beside_the_sweep(tmp_path: Path) ->
     (tmp_path / "sweep.toml").write_text(text)
     loaded = load(tmp_path / "sweep.toml", ["bodies.ball.shape.radius=2"])
     assert (loaded.name, loaded.scene.duration, loaded.scene.bodies[0].shape.radius) == ("sweep", 0.25, 2.0)  # type: ignore[union-attr]  # it is a sphere
+
+
+def test_the_file_in_the_documentation_runs() -> None:
+    page = (Path(__file__).parents[2] / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    sweep = from_dict(tomllib.loads(page.partition("```toml\n")[2].partition("```")[0]))
+    assert len(sweep.points) == 22
+    row = Runner(sweep.job).run(sweep.points[0].values)
+    assert row["error"] is None and 0.0 < row["metrics"]["share"] < 1.0
 
 
 def test_built_in_sweeps_load_and_say_what_they_are_about() -> None:

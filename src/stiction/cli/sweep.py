@@ -282,15 +282,14 @@ def _print_lists(json: bool, *, functions: bool, schema: bool) -> None:
         return
     if functions:
         from stiction.sweep.expressions import CONSTANTS, MATH
-        from stiction.sweep.measures import MEASURES, OF_BODY
+        from stiction.sweep.measures import MEASURES, usage
 
         if json:
             print_json({"measures": MEASURES, "math": sorted(MATH), "constants": CONSTANTS})
             return
         made = table("What metrics can ask of a run", ["function", "gives"])
         for name, text in MEASURES.items():
-            body = "'body'" if name in OF_BODY else ""
-            made.add_row(f"[bold]{name}[/]({body})", text)
+            made.add_row(f"[bold]{usage(name)}[/]", text)
         out.print(made)
         out.print(f"Besides: {', '.join(sorted(MATH))}; the names time, dt, g, pi, inf, nan.")
         out.print("And every parameter, and every metric that stands before.")

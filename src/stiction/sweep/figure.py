@@ -154,7 +154,7 @@ def figure(sweep: Sweep, columns: Columns) -> Figure:
     axes.set_ylim(*limits[1])
 
     ground = _draw_closed_form(axes, sweep, limits)
-    size = float(np.clip(5200.0 / max(len(x), 1), 5.0, 60.0))
+    size = float(np.clip(12000.0 / max(len(x), 1), 5.0, 60.0))
     for number in [FAILED, NO_CLASS, *range(len(chart.classes))]:
         mine = found == number
         if not mine.any() and number < 0:

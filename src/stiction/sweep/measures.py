@@ -55,6 +55,13 @@ def measure(*, contacts: bool = False) -> Callable[[Method], Method]:
     return enter
 
 
+def usage(name: str) -> str:
+    """How to call a function of the language: ``tipped(body, angle_deg=45)``."""
+    parameters = list(inspect.signature(getattr(Measures, name)).parameters.values())[1:]
+    shown = [p.name if p.default is p.empty else f"{p.name}={p.default:g}" for p in parameters]
+    return f"{name}({', '.join(shown)})"
+
+
 class Measures:
     """A finished run, as the functions of the language see it.
 
