@@ -112,6 +112,29 @@ def test_ctrl_c_leaves_a_table_that_resume_completes(tmp_path: Path) -> None:
     assert sorted(finished(tmp_path).values()) == [1] * 9
 
 
+def test_a_run_that_was_stopped_is_not_held_against_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    sweep = from_dict(spec())
+
+    def interrupted(self: Runner, values: dict[str, Any]) -> Any:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Runner, "run", interrupted)
+        for _ in range(5):
+            assert run(sweep, tmp_path, resume=True).interrupted
+    assert Folder(tmp_path).read().attempts == {sweep.points[0].run: 0}
+    outcome = run(sweep, tmp_path, resume=True)
+    assert (outcome.done, outcome.failed) == (5, 0)
+
+
+def test_a_bug_in_a_run_is_a_row_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise KeyError("axle")
+
+    monkeypatch.setattr("stiction.scene.Simulation.advance", broken)
+    assert Runner(from_dict(spec()).job).run({"v": 1.0})["error"] == "KeyError: 'axle'"
+
+
 class Fragile:
     """A backend whose worker dies in every run of some values, after it has noted that it began."""
 

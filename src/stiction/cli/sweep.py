@@ -217,7 +217,8 @@ def _show(loaded: Sweep, outcome: Outcome, picture: Path | None, json: bool) -> 
         made.add_row(name, *(_number(spread[key]) for key in ("least", "mean", "most")), str(spread["none"]))
     out.print(made)
     session = outcome.done - outcome.found
-    speed = f", {outcome.rate:.3g} runs/s with {outcome.workers} workers" if outcome.rate else ""
+    hands = f"{outcome.workers} worker{'s' if outcome.workers != 1 else ''}"
+    speed = f", {outcome.rate:.3g} runs/s with {hands}" if outcome.rate else ""
     found = f" ({outcome.found} of them before)" if outcome.found else ""
     out.print(
         f"{outcome.done} of {outcome.total} runs finished{found}, {outcome.failed} failed; "

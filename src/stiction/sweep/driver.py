@@ -138,7 +138,7 @@ class _Session:
         self._done, self._failed = 0, 0
         self._say("reading what is finished")
         self.token = folder.begin_session()
-        folder.wait_for_workers()
+        folder.wait_for_workers(lambda: self._say("waiting for workers of an earlier driver"))
         before = folder.read()
         if before.rows and not resume:
             raise OutputError(

@@ -65,17 +65,14 @@ def classify(sweep: Sweep, columns: Columns) -> Classes:
     """
     chart = _map_of(sweep)
     names = [*sweep.points.names, *sweep.job.metrics]
-    conditions = [Expression(e.when, f"map.classes[{n}].when") for n, e in enumerate(chart.classes)]
-    found = np.full(len(columns["run"]), NO_CLASS, np.int64)
-    for row in range(len(found)):
-        if columns["error"][row] is not None:
-            found[row] = FAILED
-            continue
-        values = {name: columns[name][row] for name in names}
-        for number, condition in enumerate(conditions):
-            if bool(condition.evaluate(values)):
-                found[row] = number
-                break
+    fine = np.array([error is None for error in columns["error"]], np.bool_)
+    values = {name: np.array([v for v, ok in zip(columns[name], fine, strict=True) if ok]) for name in names}
+    known = np.full(int(fine.sum()), NO_CLASS, np.int64)
+    for number in reversed(range(len(chart.classes))):
+        condition = Expression(chart.classes[number].when, f"map.classes[{number}].when")
+        known[np.broadcast_to(np.asarray(condition.evaluate(values), np.bool_), known.shape)] = number
+    found = np.full(len(fine), FAILED, np.int64)
+    found[fine] = known
     return found
 
 
@@ -101,12 +98,12 @@ def compare(sweep: Sweep, columns: Columns) -> Verdict | None:
     found = classify(sweep, columns)
     counts = found != FAILED
     off = counts & (found != expected)
-    beside = 0
-    steps = [_step(values) for values in (x, y)]
-    for k in np.flatnonzero(off):
-        near = [expect(sweep, np.array([x[k] + a * steps[0]]), np.array([y[k] + b * steps[1]])) for a, b in _AROUND]
-        beside += any(one is not None and one[0] != expected[k] for one in near)
-    return Verdict(int(counts.sum()), int((counts & ~off).sum()), beside)
+    beside = np.zeros(int(off.sum()), np.bool_)
+    dx, dy = _step(x), _step(y)
+    for a, b in _AROUND:
+        near = expect(sweep, x[off] + a * dx, y[off] + b * dy)
+        beside |= near != expected[off]
+    return Verdict(int(counts.sum()), int((counts & ~off).sum()), int(beside.sum()))
 
 
 _AROUND = [(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)]

@@ -16,7 +16,7 @@ import json
 import os
 import re
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -110,8 +110,17 @@ class Folder:
         with _lock(self.path / "workers.lock", wait=True, shared=True):
             yield
 
-    def wait_for_workers(self) -> None:
-        """Until no process is at work here: orphans of a killed driver finish the run that they are at."""
+    def wait_for_workers(self, on_wait: Callable[[], None] | None = None) -> None:
+        """Until no process is at work here: orphans of a killed driver finish the run that they are at.
+
+        Args:
+            on_wait: called first if there are any.
+        """
+        with _lock(self.path / "workers.lock", wait=False, shared=False) as free:
+            if free:
+                return
+        if on_wait is not None:
+            on_wait()
         with _lock(self.path / "workers.lock", wait=True, shared=False):
             pass
 
@@ -126,7 +135,7 @@ class Folder:
             for entry in _entries(journal):
                 run = entry["run"]
                 if "row" not in entry:
-                    attempts[run] = attempts.get(run, 0) + 1
+                    attempts[run] = attempts.get(run, 0) + (-1 if "left" in entry else 1)
                     continue
                 repeated += run in rows and rows[run]["error"] is None
                 rows[run] = entry["row"]
@@ -157,6 +166,10 @@ class JournalWriter:
     def started(self, run: str) -> None:
         """Note that a run begins."""
         self._write({"run": run})
+
+    def left(self, run: str) -> None:
+        """Note that a run was given up because somebody wanted to stop."""
+        self._write({"run": run, "left": True})
 
     def finished(self, run: str, row: Row) -> None:
         """Keep a finished run."""

@@ -100,7 +100,7 @@ class Runner:
                 self._fill(row, values)
             except StictionError as error:
                 row["error"] = str(error)
-            except (ArithmeticError, ValueError, TypeError, MemoryError, np.linalg.LinAlgError) as error:
+            except Exception as error:  # whatever one run does, the others go on
                 row["error"] = f"{type(error).__name__}: {error}"
         if caught:
             row["warning"] = " ".join(dict.fromkeys(str(warning.message) for warning in caught))
@@ -186,7 +186,11 @@ def run_batch(job: str, batch: Sequence[Run], folder: str, session: str) -> Answ
             if place.session() != session:
                 break
             journal.started(run)
-            row = runner.run(values)
+            try:
+                row = runner.run(values)
+            except BaseException:  # somebody wants to stop, which is not this run's fault
+                journal.left(run)
+                raise
             journal.finished(run, row)
             done.append(run)
             failed += row["error"] is not None

@@ -17,6 +17,7 @@ from stiction.sweep.runner import run_batch
 def main() -> None:
     """Work until nobody asks any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # an exception: the run is noted as left
     # whatever else prints goes to standard error, so that answers stay alone
     answers = os.fdopen(os.dup(1), "w")
     os.dup2(2, 1)

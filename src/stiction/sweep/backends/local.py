@@ -25,6 +25,8 @@ from stiction.sweep.runner import Answer, run_batch
 
 GRACE = 20.0
 """s that a worker has to finish the run that it is at when the sweep is stopped."""
+LAST_GRACE = 5.0
+"""s that it has after that to leave the run."""
 
 
 def cores() -> int:
@@ -133,12 +135,15 @@ class _Worker:
             pass  # it is dead
 
     def end(self, until: float) -> None:
-        """Wait for it until then (monotonic, s), and kill it if that is not enough."""
-        try:
-            self._process.wait(max(0.0, until - time.monotonic()))
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+        """Wait for it until then (monotonic, s); if that is not enough, make it leave its run, and at last kill it."""
+        for stop in (self._process.terminate, self._process.kill):
+            try:
+                self._process.wait(max(0.0, until - time.monotonic()))
+                return
+            except subprocess.TimeoutExpired:
+                stop()
+                until = time.monotonic() + LAST_GRACE
+        self._process.wait()
 
     def _send(self, message: Any) -> None:
         stream = self._process.stdin
