@@ -39,7 +39,7 @@ def spec(**changes: Any) -> dict[str, Any]:
 
 SLOW = """
 title = "Runs that take a while"
-duration = 20
+duration = 10
 
 [scene]
 duration = 1
@@ -54,7 +54,7 @@ linspace = [1, 5, 24]
 name = "way"
 value = "position('stone')[-1, 0]"
 """
-"""Stones that fly: 1200 steps a run, each of them looked at."""
+"""Stones that fly: 600 steps a run, each of them looked at."""
 
 
 def entries(folder: Path) -> list[dict[str, Any]]:

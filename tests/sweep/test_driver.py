@@ -150,13 +150,13 @@ class Fragile:
                 if point.values["v"] == self.deadly:
                     with JournalWriter(Folder(work.folder), work.session, "fragile") as journal:
                         journal.started(point.run)
-                    yield Report(batch, 0.1, None, "killed by SIGSEGV")
+                    yield Report(batch, None, "killed by SIGSEGV")
                     break
                 safe.append(point)
                 for report in InlineBackend().run(work, iter([[point], None]).__next__):
                     assert report.answer and report.answer.done == [point.run]
             else:
-                yield Report(batch, 0.1, Answer([point.run for point in batch], 0, None))
+                yield Report(batch, Answer([point.run for point in batch], 0, None, 0.1))
 
 
 def test_a_run_that_kills_its_workers_becomes_a_row(tmp_path: Path) -> None:
@@ -173,7 +173,7 @@ def test_workers_that_never_begin_a_run_end_the_sweep(tmp_path: Path) -> None:
 
         def run(self, work: Work, take: Take) -> Iterator[Report]:
             while batch := take():
-                yield Report(batch, 0.1, None, "no space left on device")
+                yield Report(batch, None, "no space left on device")
 
     with pytest.raises(SweepError, match=r"died in a row \(no space left on device\)"):
         run_sweep(from_dict(spec()), tmp_path, Dead)

@@ -65,7 +65,7 @@ def test_a_killed_worker_loses_no_finished_run(spec: Path, tmp_path: Path) -> No
     assert (outcome.done, outcome.failed, outcome.deaths) == (24, 0, 1)
     assert finished(folder) == {point.run: 1 for point in sweep.points}
     assert len(worker_pids(folder)) == 4, "the driver, two workers, and one for the one that was killed"
-    assert outcome.columns["way"] == pytest.approx([20.0 * v for v in outcome.columns["v"]], rel=1e-9)
+    assert outcome.columns["way"] == pytest.approx([10.0 * v for v in outcome.columns["v"]], rel=1e-9)
 
 
 def test_a_killed_driver_loses_no_finished_run(spec: Path, tmp_path: Path) -> None:

@@ -227,10 +227,11 @@ def _show(loaded: Sweep, outcome: Outcome, picture: Path | None, json: bool) -> 
     if outcome.deaths:
         out.print(f"Workers died {outcome.deaths} times; what they had finished was kept, the rest done again.")
     if verdict is not None:
-        out.print(
-            f"{verdict.agree} of {verdict.runs} runs do what the closed form says; of the others, {verdict.beside} lie "
-            f"at its boundary and {verdict.runs - verdict.agree - verdict.beside} do not."
+        off = verdict.runs - verdict.agree
+        others = (
+            f"; of the others, {verdict.beside} lie at its boundary and {off - verdict.beside} do not" if off else ""
         )
+        out.print(f"{verdict.agree} of {verdict.runs} runs do what the closed form says{others}.")
     errors = dict.fromkeys(error for error in outcome.columns["error"] if error)
     for error in list(errors)[:MOST_ERRORS]:
         complain(f"a run failed: {error}")

@@ -39,7 +39,7 @@ class Progress(NamedTuple):
 
     Attributes:
         phase: in a few words. done: finished runs, earlier sessions included. total: all runs.
-        failed: finished ones with an error. rate: runs per second of this session, 0 while unknown.
+        failed: finished ones with an error. rate: runs per second as of late, 0 while unknown.
         left: s until the end at that rate, NaN while unknown.
     """
 
@@ -132,6 +132,7 @@ class _Session:
         self._began = time.perf_counter()
         self._workers_began = self._began
         self._by_workers = 0
+        self._rate = 0.0
         self.workers = 0
         self.deaths = 0
         self._total = len(sweep.points)
@@ -170,7 +171,9 @@ class _Session:
             for report in reports:
                 before = self._done
                 left = self._take_in(report)
-                queue.learn(self._done - before, report.seconds)
+                if report.answer is not None:
+                    queue.learn(len(report.answer.done), report.answer.seconds)
+                    self._rate = hands.workers / queue.seconds
                 queue.put_back(left)
                 vain = 0 if self._done > before else vain + 1
                 if vain >= MOST_DEATHS * hands.workers:
@@ -273,7 +276,5 @@ class _Session:
     def _say(self, phase: str) -> None:
         if self._tell is None:
             return
-        spent = time.perf_counter() - self._workers_began
-        rate = self._by_workers / spent if self._by_workers else 0.0
-        left = (self._total - self._done) / rate if rate else float("nan")
-        self._tell(Progress(phase, self._done, self._total, self._failed, rate, left))
+        left = (self._total - self._done) / self._rate if self._rate else float("nan")
+        self._tell(Progress(phase, self._done, self._total, self._failed, self._rate, left))

@@ -159,11 +159,13 @@ class Answer(NamedTuple):
     Attributes:
         done: ids of the runs that are finished. failed: how many of them have an error instead of metrics.
         rows: the rows that are in no journal, because the folder cannot be seen from here, in the order of ``done``.
+        seconds: that the runs took, without what came before and after them.
     """
 
     done: list[str]
     failed: int
     rows: list[Row] | None
+    seconds: float
 
 
 def run_batch(job: str, batch: Sequence[Run], folder: str, session: str) -> Answer:
@@ -177,9 +179,11 @@ def run_batch(job: str, batch: Sequence[Run], folder: str, session: str) -> Answ
     """
     runner = _runner(job)
     place = Folder(folder)
+    began = time.perf_counter()
     if place.session() is None:
         rows = [runner.run(values) for _, _, values in batch]
-        return Answer([run for _, run, _ in batch], sum(row["error"] is not None for row in rows), rows)
+        wrong = sum(row["error"] is not None for row in rows)
+        return Answer([run for _, run, _ in batch], wrong, rows, time.perf_counter() - began)
     done, failed = [], 0
     with place.at_work(), JournalWriter(place, session, worker_name()) as journal:
         for _, run, values in batch:
@@ -194,4 +198,4 @@ def run_batch(job: str, batch: Sequence[Run], folder: str, session: str) -> Answ
             journal.finished(run, row)
             done.append(run)
             failed += row["error"] is not None
-    return Answer(done, failed, None)
+    return Answer(done, failed, None, time.perf_counter() - began)

@@ -43,12 +43,10 @@ class Report:
     """A batch that a worker is through with.
 
     Attributes:
-        batch: its runs. seconds: from handing it over to the answer.
-        answer: of the worker, or None if it died. died: how, in a few words.
+        batch: its runs. answer: of the worker, or None if it died. died: how, in a few words.
     """
 
     batch: list[Point]
-    seconds: float
     answer: Answer | None
     died: str = ""
 

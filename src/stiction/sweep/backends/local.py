@@ -43,9 +43,7 @@ class InlineBackend:
     def run(self, work: Work, take: Take) -> Iterator[Report]:
         """See :class:`stiction.sweep.backends.Backend`."""
         while batch := take():
-            began = time.perf_counter()
-            answer = run_batch(work.job, batch, work.folder, work.session)
-            yield Report(batch, time.perf_counter() - began, answer)
+            yield Report(batch, run_batch(work.job, batch, work.folder, work.session))
 
 
 class LocalBackend:
@@ -110,21 +108,19 @@ class _Worker:
             start_new_session=True,
         )
         self._batch: list[Point] = []
-        self._since = 0.0
         self._send({"job": work.job, "folder": work.folder, "session": work.session})
         threading.Thread(target=self._listen, args=(heard,), daemon=True).start()
 
     def give(self, batch: list[Point]) -> None:
         """Hand over a batch; if the process is dead, its end is heard soon."""
-        self._batch, self._since = batch, time.perf_counter()
+        self._batch = batch
         self._send(batch)
 
     def report(self, line: str) -> Report:
         """What a line that it wrote says about its batch; an empty one is its end."""
-        seconds = time.perf_counter() - self._since
         if line:
-            return Report(self._batch, seconds, Answer(*json.loads(line)))
-        return Report(self._batch, seconds, None, _death(self._process.wait()))
+            return Report(self._batch, Answer(*json.loads(line)))
+        return Report(self._batch, None, _death(self._process.wait()))
 
     def let_go(self) -> None:
         """Ask it to end after what it is at."""

@@ -8,7 +8,6 @@ there themselves; from others they come back with the answer, and those of a bat
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Iterator
 from typing import Any
 
@@ -53,18 +52,17 @@ class RayBackend:
         ray = self._ray
         task = ray.remote(run_batch).options(num_cpus=1, max_retries=0)
         job = ray.put(work.job)
-        busy: dict[Any, tuple[list[Point], float]] = {}
+        busy: dict[Any, list[Point]] = {}
         try:
             while True:
                 while len(busy) < self.workers and (batch := take()):
-                    busy[task.remote(job, batch, work.folder, work.session)] = (batch, time.perf_counter())
+                    busy[task.remote(job, batch, work.folder, work.session)] = batch
                 if not busy:
                     return
                 # with a limit, so that Ctrl-C is heard
                 ready, _ = ray.wait(list(busy), num_returns=1, timeout=1.0)
                 for reference in ready:
-                    batch, since = busy.pop(reference)
-                    yield self._report(reference, batch, time.perf_counter() - since)
+                    yield self._report(reference, busy.pop(reference))
         finally:
             # workers stop after the run that they are at, because the session has ended
             if busy:
@@ -72,9 +70,9 @@ class RayBackend:
             if self._owned:
                 ray.shutdown()
 
-    def _report(self, reference: Any, batch: list[Point], seconds: float) -> Report:
+    def _report(self, reference: Any, batch: list[Point]) -> Report:
         try:
-            return Report(batch, seconds, Answer(*self._ray.get(reference)))
+            return Report(batch, Answer(*self._ray.get(reference)))
         except self._ray.exceptions.RayError as error:
             lines = str(error).strip().splitlines() or [type(error).__name__]
-            return Report(batch, seconds, None, f"{type(error).__name__}: {lines[0]}")
+            return Report(batch, None, f"{type(error).__name__}: {lines[0]}")
