@@ -2,7 +2,7 @@
 
 Measures the rates from which docs/scaling.md computes what large sweeps take, prints the page's tables, and with
 ``--write`` puts them into the page. Ray's rate is measured where Ray is installed. On a busy machine wall times say
-little, so what a core takes for a run, and for compiling, is told as the time that processors were at work.
+little, so whatever one process does alone is told as the time that a processor was at work for it.
 """
 
 from __future__ import annotations
@@ -69,13 +69,13 @@ class Rates:
     hand_over: dict[str, float] = field(default_factory=dict)
 
 
-def median_of(call: Callable[[], Any], repeats: int) -> float:
-    """Median wall time, s."""
+def median_of(call: Callable[[], Any], repeats: int, clock: Callable[[], float] = time.process_time) -> float:
+    """Median time of a call, s: of the processor, or by another clock."""
     times = []
     for _ in range(repeats):
-        began = time.perf_counter()
+        began = clock()
         call()
-        times.append(time.perf_counter() - began)
+        times.append(clock() - began)
     return statistics.median(times)
 
 
@@ -93,7 +93,7 @@ def example(points: int = GRID) -> Sweep:
 
 
 def measure_steps(rates: Rates) -> None:
-    """Wall time of a step of three scenes, many steps in one call."""
+    """Time of a step of three scenes, many steps in one call."""
     say("steps")
     sliding = ["materials.pairs.crate-ramp.static=0.1", "materials.pairs.crate-ramp.dynamic=0.1"]
     crate = Scene(apply_overrides(example().scene, sliding))
@@ -107,9 +107,9 @@ def measure_steps(rates: Rates) -> None:
         def once(table_: Any = table_, count: int = count, name: str = name) -> float:
             simulation = Simulation(Scene(table_))
             simulation.advance(2)
-            began = time.perf_counter()
+            began = time.process_time()
             simulation.advance(count)
-            spent = (time.perf_counter() - began) / count
+            spent = (time.process_time() - began) / count
             if not any(body.awake for body in simulation.world if body.mobility == "dynamic"):
                 raise SystemExit(f"{name} must be awake while it is measured, and fell asleep.")
             return spent
@@ -138,10 +138,7 @@ def measure_run(rates: Rates) -> None:
         with JournalWriter(folder, "0", "benchmark") as journal:
             rates.journal = median_of(lambda: (journal.started(point.run), journal.finished(point.run, row)), 2000)
         rates.journal_disk = journal.path.stat().st_size / 2000
-    began = time.perf_counter()
-    for one in sweep.points:
-        one.run  # noqa: B018  # made, with its hash, when it is asked for
-    rates.point = (time.perf_counter() - began) / len(sweep.points)
+    rates.point = median_of(lambda: list(sweep.points), 5) / len(sweep.points)
 
 
 def measure_sweeps(rates: Rates) -> None:
@@ -176,7 +173,7 @@ def measure_driver(rates: Rates) -> None:
         worker.give([sweep.points[0]])
         heard.get()
         rates.start = time.perf_counter() - began
-        rates.hand_over["local"] = median_of(there_and_back, 500)
+        rates.hand_over["local"] = median_of(there_and_back, 500, time.perf_counter)
         worker.let_go()
         worker.end(time.monotonic() + 10.0)
         rates.start_core = children() - before
@@ -194,12 +191,12 @@ def measure_driver(rates: Rates) -> None:
                 row["metrics"]["largest_tilt_deg"] = number / 11.0
                 row["state_hash"] = f"{hash(number / 3.0) % 2**127:032x}"
                 journal.finished(point.run, row)
-        before, began = resident(), time.perf_counter()
+        before, began = resident(), time.process_time()
         rows = folder.read().rows
-        rates.read = (time.perf_counter() - began) / ROWS
-        began = time.perf_counter()
+        rates.read = (time.process_time() - began) / ROWS
+        began = time.process_time()
         path = table.write(large, table.collect(large, rows), Path(home) / "table.parquet")
-        rates.collect = (time.perf_counter() - began) / ROWS
+        rates.collect = (time.process_time() - began) / ROWS
         rates.row_memory = (resident() - before) / ROWS
         rates.row_disk = path.stat().st_size / ROWS
 
@@ -250,9 +247,10 @@ def machine_lines(rates: Rates) -> Iterable[str]:
     """On what it was measured."""
     cpu = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "")
     load_average = os.getloadavg()[0]
+    busy = ", so the machine had other work, and its wall times are too long" if load_average > cores() + 1 else ""
     yield (
         f"Measured on {cores()} cores of {cpu or platform.processor()}, Python {platform.python_version()}. The load "
-        f"was {load_average:.1f} at the end; above {cores()} the machine had other work, and wall times are too long."
+        f"was {load_average:.1f} at the end{busy}. Times marked with * are wall times, the others those of a processor."
     )
 
 
@@ -274,12 +272,12 @@ def rate_lines(rates: Rates) -> Iterable[str]:
     yield f"| … and its two lines in the journal | {time_text(rates.journal)}, {rates.journal_disk:.0f} B |"
     for name, rate in rates.per_second.items():
         kind, workers = name.split(", ")
-        yield f"| the sweep, `{kind}`, {workers} worker{'s' if workers != '1' else ''} | {rate:.1f} runs/s |"
-    yield f"| … time of a core for a run, all {cores()} busy | {time_text(rates.core)} |"
-    yield f"| a worker until its first answer, kernels in the cache | {time_text(rates.start)} |"
-    yield f"| the first run of a machine, kernels not in the cache: time of a core | {time_text(rates.cold)} |"
+        yield f"| the sweep, `{kind}`, {workers} worker{'s' if workers != '1' else ''} | {rate:.1f} runs/s* |"
+    yield f"| … time of a core for one of these runs, all {cores()} busy | {time_text(rates.core)} |"
+    yield f"| a worker until its first answer, kernels in the cache | {time_text(rates.start)}* |"
+    yield f"| the first run of a machine, kernels not in the cache | {time_text(rates.cold)} |"
     for kind, seconds in rates.hand_over.items():
-        yield f"| handing over a batch and hearing its end, `{kind}` | {time_text(seconds)} |"
+        yield f"| handing over a batch and hearing its end, `{kind}` | {time_text(seconds)}* |"
     yield f"| the driver: a point with its id | {time_text(rates.point)} |"
     yield f"| the driver: reading a row from a journal | {time_text(rates.read)} |"
     on_disk = f"{rates.row_disk:.0f} B in the file"
