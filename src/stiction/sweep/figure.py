@@ -6,6 +6,7 @@ sweep gives one. A run that did something else than the closed form says has a r
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,6 +36,8 @@ FAILED, NO_CLASS = -2, -1
 """What stands for a class where a run failed, and where no class holds."""
 FINE = 1001
 """Points along each axis at which the closed form is evaluated."""
+IN_A_ROW = 5
+"""Entries of the legend in one row at most."""
 SIZE = (9.0, 6.2)
 DPI = 150
 
@@ -99,14 +102,13 @@ def compare(sweep: Sweep, columns: Columns) -> Verdict | None:
     counts = found != FAILED
     off = counts & (found != expected)
     beside = np.zeros(int(off.sum()), np.bool_)
-    dx, dy = _step(x), _step(y)
-    for a, b in _AROUND:
-        near = expect(sweep, x[off] + a * dx, y[off] + b * dy)
+    tables = {p.column: p for p in sweep.table.parameters}
+    chart = _map_of(sweep)
+    around = [_around(values, tables[name]) for values, name in ((x, chart.x), (y, chart.y))]
+    for near_x, near_y in itertools.product(*around):
+        near = expect(sweep, near_x[off], near_y[off])
         beside |= near != expected[off]
     return Verdict(int(counts.sum()), int((counts & ~off).sum()), int(beside.sum()))
-
-
-_AROUND = [(a, b) for a in (-1.0, 0.0, 1.0) for b in (-1.0, 0.0, 1.0) if (a, b) != (0.0, 0.0)]
 
 
 def draw(sweep: Sweep, columns: Columns, path: str | Path) -> Path:
@@ -134,6 +136,7 @@ def figure(sweep: Sweep, columns: Columns) -> Figure:
     """The figure of :func:`draw`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
     chart = _map_of(sweep)
     x, y = _axes_of(sweep, columns)
@@ -145,8 +148,12 @@ def figure(sweep: Sweep, columns: Columns) -> Figure:
     _dress(axes, chart)
     tables = {p.column: p for p in sweep.table.parameters}
     limits = [_limits(values, tables[name]) for values, name in ((x, chart.x), (y, chart.y))]
-    axes.set_xscale("log" if "log" in tables[chart.x].axis else "linear")
-    axes.set_yscale("log" if "log" in tables[chart.y].axis else "linear")
+    for name, axis, scale in ((chart.x, axes.xaxis, axes.set_xscale), (chart.y, axes.yaxis, axes.set_yscale)):
+        if "log" in tables[name].axis:
+            scale("log")
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axis.set_minor_locator(NullLocator())
     axes.set_xlim(*limits[0])
     axes.set_ylim(*limits[1])
 
@@ -163,7 +170,7 @@ def figure(sweep: Sweep, columns: Columns) -> Figure:
     made.legend(
         *(handles, labels),
         loc="outside lower left",
-        ncols=len(handles),
+        ncols=len(handles) if len(handles) <= IN_A_ROW else -(-len(handles) // 2),
         frameon=False,
         fontsize=10.5,
         labelcolor=style.INK,
@@ -201,10 +208,19 @@ def _limits(values: Array, parameter: ParameterTable) -> tuple[float, float]:
     return low - margin, high + margin
 
 
-def _step(values: Array) -> float:
-    """Median distance of neighbouring values of an axis."""
-    apart = np.diff(np.unique(values))
-    return float(np.median(apart)) if len(apart) else 0.0
+def _around(values: Array, parameter: ParameterTable) -> tuple[Array, Array, Array]:
+    """The values of an axis one step lower, as they are, and one step higher.
+
+    On a grid a step is the distance of neighbours; elsewhere it is that of as many points on a square grid.
+    """
+    log = "log" in parameter.axis
+    places = np.log(values) if log else values
+    different = np.unique(places)
+    across = float(np.ptp(different))
+    side = np.sqrt(len(values))
+    step = float(np.median(np.diff(different))) if 1 < len(different) <= 2.0 * side else across / side
+    lower, higher = places - step, places + step
+    return (np.exp(lower), values, np.exp(higher)) if log else (lower, values, higher)
 
 
 def _look(classes: tuple[ClassTable, ...], number: int) -> tuple[str, str, str]:
