@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.stats import qmc
 
+import stiction
 from stiction.sweep import from_dict
+from stiction.sweep.points import ENGINE
 
 from .support import CRATE, spec
 
@@ -61,6 +65,11 @@ def test_a_finer_grid_keeps_the_ids_of_the_runs_that_it_shares() -> None:
         {"derived": [{"key": "bodies.crate.mass", "value": "1 + v"}]},
     ):
         assert not runs(3, **change) & runs(3), change
+
+
+def test_the_files_of_the_engine_are_there() -> None:
+    package = Path(stiction.__file__).parent
+    assert [pattern for pattern in ENGINE if not list(package.glob(pattern))] == []
 
 
 def test_every_point_of_a_large_sweep_is_made_when_it_is_asked_for() -> None:

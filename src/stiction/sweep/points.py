@@ -1,7 +1,7 @@
 """The points of a sweep: which values the parameters have in each run, and by which id a run is known for ever.
 
 A run's id is a hash of all that decides its row: the scene, the values that are set in it, how long it runs, which
-frames are looked at, what is asked of them, and the engine (its version and the sources of its core). So a run that was
+frames are looked at, what is asked of them, and the engine (its version and its sources). So a run that was
 finished is found again after whatever stopped a sweep, also by a sweep that has more points now than it had then.
 """
 
@@ -23,6 +23,17 @@ from stiction.sweep.spec import DRAWN, ParameterTable, SweepTable, grid_values
 
 ID_LENGTH = 20
 """Hexadecimal digits of a run's id: among 10^6 runs two are alike with a chance of 10^-12."""
+
+ENGINE = (
+    "*.py",
+    "core/**/*.py",
+    "data/*.toml",
+    "scene/*.py",
+    "record/*.py",
+    "sweep/expressions.py",
+    "sweep/measures.py",
+)
+"""Files of the package that decide what comes out of a run."""
 
 
 class Point(NamedTuple):
@@ -95,13 +106,12 @@ def base_key(common: dict[str, Any]) -> str:
 
 @cache
 def _engine() -> str:
-    """Hash of the sources of the core: between two releases the version stays while the physics may change."""
-    from stiction import core
-
+    """Hash of the sources that decide a row: between two releases the version stays while the physics may change."""
+    package = Path(__file__).parents[1]
     digest = hashlib.sha256()
-    for folder in sorted(core.__path__):
-        for source in sorted(Path(folder).rglob("*.py")):
-            digest.update(source.relative_to(folder).as_posix().encode() + source.read_bytes())
+    for pattern in ENGINE:
+        for source in sorted(package.glob(pattern)):
+            digest.update(source.relative_to(package).as_posix().encode() + source.read_bytes())
     return digest.hexdigest()
 
 
