@@ -41,7 +41,7 @@ MACHINES = (1, 10, 1000)
 RUNS, STEPS = 10**6, 10**9
 ROWS = 100_000
 """Rows of the table that is made to measure how long it takes."""
-GRID = 25
+GRID = 21
 """The example is run on a grid of this many by this many points."""
 COLD = "from stiction.sweep import load; from stiction.sweep.runner import Runner; s = load('slip-tip-hold'); " + (
     "Runner(s.job).run(s.points[0].values)"
@@ -64,6 +64,7 @@ class Rates:
     row_disk: float = 0.0
     journal_disk: float = 0.0
     start: float = 0.0
+    batch: float = 0.0
     start_core: float = 0.0
     cold: float = 0.0
     hand_over: dict[str, float] = field(default_factory=dict)
@@ -144,7 +145,7 @@ def measure_run(rates: Rates) -> None:
 def measure_sweeps(rates: Rates) -> None:
     """Runs a second of whole sweeps, as the workers did them."""
     sweep = example()
-    for name, workers in (("inline", 1), ("local", 1), ("local", cores())):
+    for name, workers in (("local", 1), ("local", cores())):
         say(f"sweep of {len(sweep.points)} runs, {name}, {workers} workers")
         before = children()
         with tempfile.TemporaryDirectory() as folder:
@@ -173,7 +174,11 @@ def measure_driver(rates: Rates) -> None:
         worker.give([sweep.points[0]])
         heard.get()
         rates.start = time.perf_counter() - began
-        rates.hand_over["local"] = median_of(there_and_back, 500, time.perf_counter)
+        rates.batch = median_of(there_and_back, 200, time.perf_counter)
+        began = time.process_time()
+        for _ in range(500):
+            there_and_back()
+        rates.hand_over["local"] = (time.process_time() - began) / 500
         worker.let_go()
         worker.end(time.monotonic() + 10.0)
         rates.start_core = children() - before
@@ -202,7 +207,7 @@ def measure_driver(rates: Rates) -> None:
 
 
 def ray_tasks(work: Work) -> float:
-    """s of the driver for each of many empty batches in flight on a local Ray."""
+    """Time of the driver for each of many empty batches in flight on a local Ray, s."""
     import ray
 
     from stiction.sweep.backends.ray import RayBackend
@@ -211,9 +216,9 @@ def ray_tasks(work: Work) -> float:
     task = ray.remote(run_batch).options(num_cpus=1, max_retries=0)
     job = ray.put(work.job)
     ray.get([task.remote(job, [], work.folder, work.session) for _ in range(50)])
-    began = time.perf_counter()
+    began = time.process_time()
     ray.get([task.remote(job, [], work.folder, work.session) for _ in range(500)])
-    spent = (time.perf_counter() - began) / 500
+    spent = (time.process_time() - began) / 500
     for _ in backend.run(work, lambda: None):
         pass
     return spent
@@ -277,7 +282,8 @@ def rate_lines(rates: Rates) -> Iterable[str]:
     yield f"| a worker until its first answer, kernels in the cache | {time_text(rates.start)}* |"
     yield f"| the first run of a machine, kernels not in the cache | {time_text(rates.cold)} |"
     for kind, seconds in rates.hand_over.items():
-        yield f"| handing over a batch and hearing its end, `{kind}` | {time_text(seconds)}* |"
+        yield f"| the driver: handing over a batch and hearing its end, `{kind}` | {time_text(seconds)} |"
+    yield f"| a batch besides its runs: pipe, locks, journal on disk | {time_text(rates.batch)}* |"
     yield f"| the driver: a point with its id | {time_text(rates.point)} |"
     yield f"| the driver: reading a row from a journal | {time_text(rates.read)} |"
     on_disk = f"{rates.row_disk:.0f} B in the file"
