@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 EXAMPLES = """
 \b
 Examples:
-  stiction sweep slip-tip-hold --plan        how many runs, how long, how large
-  stiction sweep slip-tip-hold               441 runs of a crate on a ramp, table and map
+  stiction sweep slip-tip-hold --plan    how many runs, how long, how large
+  stiction sweep slip-tip-hold           441 runs: a table and a map
   stiction sweep slip-tip-hold --show > my.toml
-  stiction sweep my.toml --workers 2 --set bodies.crate.shape.size[0]=0.3
-  stiction sweep my.toml --resume            go on where it was stopped or killed
+  stiction sweep my.toml --workers 2 --set bodies.crate.mass=20
+  stiction sweep my.toml --resume        go on after a stop or a kill
   stiction sweep my.toml --backend ray --address auto
 
 Parquet files need pyarrow, --backend ray needs Ray: pip install "stiction\\[sweep]" or "stiction\\[ray]"
