@@ -60,7 +60,7 @@ $(VENV)/.installed-run: pyproject.toml | $(VENV)/.made
 	@touch $@
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/.made
-	@echo "[2/3] installing stiction, what it runs on and what it is tested with (about 250 MB to download the first time) ..."
+	@echo "[2/3] installing stiction, what it runs on and what it is tested with (about 300 MB to download the first time) ..."
 	$(call install,[dev])
 	@touch $(VENV)/.installed-run $@
 

@@ -11,6 +11,8 @@ from collections.abc import Iterable
 from itertools import groupby
 from pathlib import Path
 
+from markers import replaced
+
 from stiction import verify
 
 PAGE = Path(__file__).with_name("verification.md")
@@ -31,21 +33,12 @@ def main() -> None:
                 solver=solver, dt=dt, progress=lambda name: print(f"  {name} ...", file=sys.stderr)
             )
     text = PAGE.read_text(encoding="utf-8")
-    text = _replace(text, "counts", _counts(runs))
-    text = _replace(text, "overview", _overview(runs))
-    text = _replace(text, "failures", _failures(runs))
-    text = _replace(text, "limits", _limits(runs))
-    text = _replace(text, "cases", _cases(runs))
+    text = replaced(text, "counts", _counts(runs), PAGE.name)
+    text = replaced(text, "overview", _overview(runs), PAGE.name)
+    text = replaced(text, "failures", _failures(runs), PAGE.name)
+    text = replaced(text, "limits", _limits(runs), PAGE.name)
+    text = replaced(text, "cases", _cases(runs), PAGE.name)
     PAGE.write_text(text, encoding="utf-8")
-
-
-def _replace(text: str, name: str, lines: Iterable[str]) -> str:
-    begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->"
-    before, _, rest = text.partition(begin)
-    _, found, after = rest.partition(end)
-    if not found:
-        raise SystemExit(f"{PAGE.name} has no markers for {name!r}.")
-    return f"{before}{begin}\n" + "\n".join(lines) + f"\n\n{end}{after}"
 
 
 def _counts(runs: Runs) -> Iterable[str]:

@@ -94,6 +94,19 @@ def test_contacts_can_be_left_out() -> None:
     assert frames.motion[0, 1] == Motion.SLIDING, "but what bodies do is known all the same"
 
 
+def test_motion_can_be_left_out() -> None:
+    world = st.World()
+    world.add(st.Plane(), static=True)
+    world.add(st.Box((1, 1, 1)), position=(0, 0, 0.5))
+    recorder, plain = Recorder(world, "run"), Recorder(world, "run", motion=False)
+    world.step()
+    for one in (recorder, plain):
+        one.capture()
+    assert recorder.frames().motion.tolist() == [[Motion.FIXED, Motion.STICKING]]
+    assert plain.frames().motion.tolist() == [[Motion.FREE, Motion.FREE]]
+    assert np.array_equal(plain.frames().contacts, recorder.frames().contacts)
+
+
 def test_a_recording_refuses_what_it_cannot_hold() -> None:
     world = sliding_world()
     for every in (0, -1, 1.5, True):

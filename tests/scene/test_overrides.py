@@ -8,6 +8,7 @@ import pytest
 
 from stiction import InvalidInputError
 from stiction.scene import load
+from stiction.scene.overrides import apply_values
 
 
 def value_at(scene: Any, *keys: Any) -> Any:
@@ -132,6 +133,20 @@ def test_an_override_that_leads_nowhere_says_so(override: str, sentence: str) ->
         load("ball", [override])
     assert str(caught.value).startswith(sentence)
     assert str(caught.value).endswith(".")
+
+
+def test_values_are_set_together_and_checked_once() -> None:
+    table = load("ball").table
+    both = {"materials.pairs.wood-ice.static": 0.3, "materials.pairs.ice-wood.dynamic": 0.2, "bodies.ball.density": 500}
+    changed = apply_values(table, both)
+    (pair,) = (pair for pair in changed.materials.pairs if {pair.a, pair.b} == {"wood", "ice"})
+    assert (pair.static, pair.dynamic) == (0.3, 0.2)
+    assert (changed.bodies[1].density, changed.bodies[1].mass) == (500.0, None)
+    assert apply_values(table, {}) == table == load("ball").table
+    with pytest.raises(InvalidInputError, match=r"did you mean 'velocity'\?"):
+        apply_values(table, {"bodies.ball.velocty[0]": 1.0})
+    with pytest.raises(InvalidInputError, match=r"^bodies\[1\]\.density: must be above 0 kg/m\^3, got -1\."):
+        apply_values(table, {"duration": 1.0, "bodies.ball.density": -1})
 
 
 def test_pushes_are_set_by_number() -> None:

@@ -15,6 +15,7 @@ from stiction.cli.materials import materials
 from stiction.cli.plot import plot
 from stiction.cli.run import run
 from stiction.cli.scenes import scenes
+from stiction.cli.sweep import sweep
 from stiction.cli.verify import verify
 from stiction.cli.warmup import warmup
 from stiction.errors import SimulationError, StictionError, StictionWarning
@@ -27,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, plot, scenes, materials, verify, bench, warmup):
+for command in (run, plot, scenes, materials, verify, bench, sweep, warmup):
     app.command()(command)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from stiction import checks
 from stiction._version import __version__
 from stiction.errors import InvalidInputError
+from stiction.motion import Motion
 from stiction.record.classify import classify, fixed_bodies
 from stiction.record.frames import CONTACT_DTYPE, BodyInfo, Frames
 from stiction.world import World
@@ -27,7 +28,7 @@ class Frame(NamedTuple):
     Attributes:
         step: steps taken so far. time: s.
         positions, velocities, angular_velocities: (n, 3) in m, m/s, rad/s. orientations: (n, 4).
-        motion: (n,) uint8 values of :class:`stiction.motion.Motion`.
+        motion: (n,) uint8 values of :class:`stiction.motion.Motion`; all of them free if nobody asked for it.
         contacts: rows of ``CONTACT_DTYPE``, those of the last step.
     """
 
@@ -41,17 +42,21 @@ class Frame(NamedTuple):
     contacts: NDArray[Any]
 
 
-def capture(world: World, *, contacts: bool = True, fixed: NDArray[np.bool_] | None = None) -> Frame:
+def capture(
+    world: World, *, contacts: bool = True, motion: bool = True, fixed: NDArray[np.bool_] | None = None
+) -> Frame:
     """What a world looks like now, as copies.
 
     Args:
         world: the world.
         contacts: keep its contact points, too.
+        motion: judge what each body is doing, which takes longer than a step of a small world.
         fixed: (n,) which bodies are fixed, for callers that ask often.
     """
     rows = world.contacts() if contacts else np.zeros(0, CONTACT_DTYPE)
     arrays = {name: getattr(world, name).copy() for name in WIDTHS}
-    return Frame(step=world.steps, time=world.time, motion=classify(world, fixed), contacts=rows, **arrays)
+    doing = classify(world, fixed) if motion else np.full(len(world), Motion.FREE, np.uint8)
+    return Frame(step=world.steps, time=world.time, motion=doing, contacts=rows, **arrays)
 
 
 def body_infos(world: World) -> list[BodyInfo]:
@@ -83,15 +88,17 @@ class Capturer:
         world: the world to watch.
         every: steps from one frame to the next.
         contacts: keep contact points, too.
+        motion: judge what each body is doing, too.
 
     Raises:
         InvalidInputError: every is not a whole number, 1 or more.
     """
 
-    def __init__(self, world: World, every: int = 1, contacts: bool = True) -> None:
+    def __init__(self, world: World, every: int = 1, contacts: bool = True, motion: bool = True) -> None:
         self.world = world
         self.every = checks.integer("every", every, minimum=1)
         self.contacts = contacts
+        self.motion = motion
         self._fixed = fixed_bodies(world)
         self._last: int | None = None
 
@@ -111,7 +118,7 @@ class Capturer:
             raise InvalidInputError(
                 f"a recording of {len(self._fixed)} bodies must keep them, and the world has {len(self.world)} now."
             )
-        self._keep(capture(self.world, contacts=self.contacts, fixed=self._fixed))
+        self._keep(capture(self.world, contacts=self.contacts, motion=self.motion, fixed=self._fixed))
         self._last = step
         return True
 
@@ -127,6 +134,7 @@ class Recorder(Capturer):
         title: of the recording.
         every: steps from one frame to the next.
         contacts: keep contact points, too.
+        motion: judge what each body is doing, too.
 
     Raises:
         InvalidInputError: every is not a whole number, 1 or more.
@@ -143,8 +151,8 @@ class Recorder(Capturer):
         [0.1, 0.2, 0.3]
     """
 
-    def __init__(self, world: World, title: str, every: int = 1, contacts: bool = True) -> None:
-        super().__init__(world, every, contacts)
+    def __init__(self, world: World, title: str, every: int = 1, contacts: bool = True, motion: bool = True) -> None:
+        super().__init__(world, every, contacts, motion)
         self.title = title
         self._frames: list[Frame] = []
 

@@ -54,8 +54,8 @@ def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         MaterialWarning: dynamic friction of a pair is above its static friction.
     """
     text = str(name_or_path)
-    if text.endswith(SUFFIX) or "/" in text or "\\" in text or isinstance(name_or_path, Path):
-        data = parse(_read(Path(text)), text)
+    if is_path(name_or_path):
+        data = parse(read_text(Path(text), "scene file"), text)
         name = Path(text).stem
     else:
         data = parse(builtin_text(text), text + SUFFIX)
@@ -64,6 +64,12 @@ def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scene:
     if overrides:
         table = apply_overrides(table, overrides)
     return Scene(table, name)
+
+
+def is_path(name_or_path: str | Path) -> bool:
+    """Whether this is the path of a TOML file, and not the name of something built in."""
+    text = str(name_or_path)
+    return isinstance(name_or_path, Path) or text.endswith(SUFFIX) or "/" in text or "\\" in text
 
 
 def parse(text: str, file: str) -> dict[str, Any]:
@@ -79,15 +85,16 @@ def parse(text: str, file: str) -> dict[str, Any]:
         raise InvalidInputError(f"{file}, {where}: TOML syntax error: {message}.") from None
 
 
-def _read(path: Path) -> str:
+def read_text(path: Path, what: str) -> str:
+    """The text of a file; ``what`` is what a sentence calls it, such as ``scene file``."""
     try:
         return path.read_text(encoding="utf-8-sig")  # some editors begin a file with a byte-order mark
     except FileNotFoundError:
-        raise InvalidInputError(f"scene file must exist, got {str(path)!r}.") from None
+        raise InvalidInputError(f"{what} must exist, got {str(path)!r}.") from None
     except UnicodeDecodeError:
-        raise InvalidInputError(f"scene file must be TOML text in UTF-8, got {str(path)!r}.") from None
+        raise InvalidInputError(f"{what} must be TOML text in UTF-8, got {str(path)!r}.") from None
     except OSError as error:
-        raise InvalidInputError(f"scene file {str(path)!r} cannot be read: {error.strerror}.") from None
+        raise InvalidInputError(f"{what} {str(path)!r} cannot be read: {error.strerror}.") from None
 
 
 def json_schema() -> dict[str, Any]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stiction.checks import nearest
@@ -47,6 +47,24 @@ def apply_overrides(table: SceneTable, overrides: Sequence[str]) -> SceneTable:
         _set(data, path, _value(text.strip()), table)
         table = validate(data)
     return table
+
+
+def apply_values(table: SceneTable, values: Mapping[str, Any]) -> SceneTable:
+    """The table with values at their paths, checked once when all are in.
+
+    Args:
+        table: a checked scene.
+        values: path to value, as a file would hold it.
+
+    Raises:
+        InvalidInputError: a path leads nowhere (the nearest known key is named), or a value is not allowed.
+    """
+    if not values:
+        return table
+    data = table.model_dump(mode="json", by_alias=True)
+    for path, value in values.items():
+        _set(data, path, value, table)
+    return validate(data)
 
 
 def _value(text: str) -> Any:

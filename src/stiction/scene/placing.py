@@ -96,6 +96,7 @@ def product(p: Array, q: Array) -> Array:
 
 
 def turned(q: Array, v: Array) -> Array:
-    """v, (3,) or (k, 3), turned by the unit quaternion q: v + 2 w (u x v) + 2 u x (u x v), with u its vector part."""
-    twice = 2.0 * np.cross(q[1:], v)
-    return np.asarray(v + q[0] * twice + np.cross(q[1:], twice))
+    """v (..., 3) turned by the unit quaternion q (..., 4): v + 2 w (u x v) + 2 u x (u x v), with u its vector part."""
+    w, u = q[..., :1], q[..., 1:]
+    twice = 2.0 * np.cross(u, v)
+    return np.asarray(v + w * twice + np.cross(u, twice))

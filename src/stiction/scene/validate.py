@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from stiction.errors import InvalidInputError
 from stiction.scene.model import SHAPES, SceneTable
@@ -20,20 +20,37 @@ _SENTENCES = {
 }
 
 
+Model = TypeVar("Model", bound=BaseModel)
+
+
 def validate(data: Mapping[str, Any]) -> SceneTable:
     """The scene table that ``data`` holds.
 
     Raises:
         InvalidInputError: ``bodies[3].shape.size: must be …``.
     """
+    return validate_as(SceneTable, data, "the scene")
+
+
+def validate_as(model: type[Model], data: Mapping[str, Any], whole: str) -> Model:
+    """The table that ``data`` holds, by this model.
+
+    Args:
+        model: what it must be.
+        data: plain data.
+        whole: what a sentence calls the whole of it, where no key is at fault.
+
+    Raises:
+        InvalidInputError: one sentence that begins with the path of the key.
+    """
     try:
-        return SceneTable.model_validate(data)
+        return model.model_validate(data)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-    raise InvalidInputError(_sentence(first)) from None
+    raise InvalidInputError(_sentence(first, whole)) from None
 
 
-def _sentence(error: Mapping[str, Any]) -> str:
+def _sentence(error: Mapping[str, Any], whole: str) -> str:
     context = error.get("ctx", {})
     location = list(error["loc"])
     if error["type"] == "scene":
@@ -45,7 +62,7 @@ def _sentence(error: Mapping[str, Any]) -> str:
     else:
         text = _SENTENCES.get(error["type"], "{message}.").format(input=error["input"], message=error["msg"])
     path = path_text(location)
-    return f"{path}: {text}" if path else f"the scene {text}"
+    return f"{path}: {text}" if path else f"{whole} {text}"
 
 
 def path_text(location: Sequence[str | int]) -> str:
