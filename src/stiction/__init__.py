@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from stiction._version import __version__
 from stiction.body import Body
 from stiction.errors import (
@@ -23,6 +25,9 @@ from stiction.queries import RayHit, RayHits
 from stiction.reports import Energy, SolverReport
 from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
 from stiction.world import World
+
+if TYPE_CHECKING:
+    from stiction.record.recording import Recording
 
 __all__ = [
     "Body",
@@ -49,6 +54,7 @@ __all__ = [
     "Plane",
     "RayHit",
     "RayHits",
+    "Recording",
     "Shape",
     "SimulationError",
     "SolverReport",
@@ -59,3 +65,12 @@ __all__ = [
     "World",
     "__version__",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Names whose packages are heavy, when they are first asked for."""
+    if name == "Recording":
+        from stiction.record.recording import Recording
+
+        return Recording
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

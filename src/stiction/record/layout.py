@@ -1,0 +1,113 @@
+"""The layout of a recording in HDF5: names, types and versions, and the file itself, made and opened.
+
+docs/recordings.md describes it for readers in other languages; what is written here is what is there.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from stiction.contacts import CONTACT_DTYPE
+from stiction.errors import InvalidInputError, OutputError
+from stiction.record.recorder import WIDTHS
+
+FORMAT = "stiction recording"
+FORMAT_VERSION = 2
+"""2: frames for the eye, hashes of all steps, inputs and snapshots. 1: frames in float64 and the scene, no more."""
+READABLE_VERSIONS = (1, 2)
+
+PRECISIONS = ("display", "full")
+QUATERNION_SCALE = 32767
+"""Orientations for display are whole numbers of 16 bits, 1 is that number."""
+HALF_MAX = float(np.finfo(np.float16).max)
+"""m/s and rad/s: faster bodies are written down with this speed in velocities for display."""
+FRAME_TYPES = {
+    "display": {"positions": "f4", "orientations": "i2", "velocities": "f2", "angular_velocities": "f2"},
+    "full": dict.fromkeys(WIDTHS, "f8"),
+}
+"""Types of the arrays of a frame, little-endian as everything in the file."""
+
+DISPLAY_CONTACT = np.dtype(
+    [
+        (name, *(("<f4", *rest[1:]) if np.dtype(rest[0]).kind == "f" else (np.dtype(rest[0]).str, *rest[1:])))
+        for name, *rest in CONTACT_DTYPE.descr
+    ]
+)
+"""Contact points for display: the columns of ``CONTACT_DTYPE``, numbers in float32."""
+
+ENERGY_FIELDS = (
+    "kinetic", "potential", "friction", "rolling", "impacts", "work", "edits", "numerical", "initial",
+)  # fmt: skip
+"""Columns of ``frames/energy``, J, see :class:`stiction.Energy`."""
+
+COUNTED = ("hashes", "frames/steps", "contacts", "inputs/rows", "inputs/numbers", "inputs/texts", "checkpoints/rows")
+"""Data sets whose lengths a row of ``commits`` holds, in this order: what was written whole by then."""
+
+INPUT_DTYPE = np.dtype([("step", "<i8"), ("body", "<i4"), ("what", "u1")])
+"""A row of ``inputs/rows``: steps taken before it, index of the body at that time (-1 for none), and a place in
+:data:`stiction.record.inputs.KINDS`."""
+CHECKPOINT_DTYPE = np.dtype([("step", "<i8"), ("start", "<i8"), ("length", "<i8")])
+"""A row of ``checkpoints/rows``: steps taken by then, and where in ``checkpoints/data`` its bytes are."""
+OUTCOME_DTYPE = np.dtype("S400")
+OPEN_OUTCOME = "not closed"
+"""Outcome of a recording that is still being written, or whose process was killed."""
+
+
+def create_file(path: Path) -> h5py.File:
+    """A new file that others can read while it is written (SWMR)."""
+    if path.exists() and path.stat().st_size > 0 and not h5py.is_hdf5(path):
+        raise OutputError(f"recording must not replace a file of another kind, and {str(path)!r} is no HDF5 file.")
+    try:
+        return h5py.File(path, "w", libver=("v110", "v110"))
+    except OSError as error:
+        raise OutputError(f"recording cannot be written: {str(path)!r}: {error}.") from None
+
+
+def open_file(path: str | Path) -> tuple[h5py.File, int]:
+    """A recording and the version of its format.
+
+    Raises:
+        InvalidInputError: there is no such file, or it is no recording that can be read.
+    """
+    if not Path(path).is_file():
+        raise InvalidInputError(f"recording must be a file that exists, got {str(path)!r}.")
+    try:
+        file = h5py.File(path, "r")
+    except OSError as first:
+        try:  # while it is written, and after its process was killed, only a reader that says so may read it
+            file = h5py.File(path, "r", libver="latest", swmr=True)
+        except (OSError, ValueError):
+            if h5py.is_hdf5(path):
+                raise InvalidInputError(f"recording {str(path)!r} cannot be opened: {first}.") from None
+            raise InvalidInputError(f"{str(path)!r} is not a recording of stiction: it is no HDF5 file.") from None
+    try:
+        if file.attrs.get("format") != FORMAT:
+            raise InvalidInputError(f"{str(path)!r} is not a recording of stiction, but another HDF5 file.")
+        version = int(file.attrs.get("format_version", 0))
+        if version not in READABLE_VERSIONS:
+            raise InvalidInputError(
+                f"recording {str(path)!r} must have format version {' or '.join(map(str, READABLE_VERSIONS))}, "
+                f"got {version}: it was made by another version of stiction."
+            )
+    except InvalidInputError:
+        file.close()
+        raise
+    except (OSError, ValueError, TypeError) as error:
+        file.close()
+        raise damaged(path, error) from None
+    return file, version
+
+
+def damaged(path: str | Path, error: Exception) -> InvalidInputError:
+    """What to raise where a recording does not hold what it should."""
+    return InvalidInputError(f"recording {str(path)!r} is damaged: {error}.")
+
+
+def read_json(file: h5py.File, name: str) -> Any:
+    """A data set of one JSON text."""
+    return json.loads(file[name].asstr()[()])
