@@ -80,8 +80,10 @@ def put(world: World, snapshot: Snapshot) -> None:
         if name in NOT_KEPT:
             continue
         if isinstance(value, tuple) and hasattr(value, "_fields"):
-            parts = {field: _array(snapshot, f"{name}.{field}", getattr(value, field), scratch) for field in value._fields}
-            made[name] = value._replace(**parts)
+            parts = {
+                field: _array(snapshot, f"{name}.{field}", getattr(value, field), scratch) for field in value._fields
+            }
+            made[name] = type(value)(**parts)
         elif isinstance(value, np.ndarray):
             made[name] = _array(snapshot, name, value, scratch)
         else:

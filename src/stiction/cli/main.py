@@ -11,7 +11,9 @@ import typer
 from stiction import __version__
 from stiction.cli.bench import bench
 from stiction.cli.console import complain
+from stiction.cli.export import export
 from stiction.cli.materials import materials
+from stiction.cli.replay import replay
 from stiction.cli.run import run
 from stiction.cli.scenes import scenes
 from stiction.cli.verify import verify
@@ -26,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, scenes, materials, verify, bench, warmup):
+for command in (run, replay, export, scenes, materials, verify, bench, warmup):
     app.command()(command)
 
 

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
 from stiction import outputs
-from stiction.cli.console import complain, err, out, print_json, say, table
+from stiction.cli.console import complain, out, print_json, say, table
+from stiction.cli.progress import progress
 
 if TYPE_CHECKING:
     from stiction.record.frames import Frames
@@ -28,7 +28,13 @@ def run(
     plot: Annotated[
         Path | None, typer.Option(help="Draw speed and friction force over time (PNG, SVG or PDF).")
     ] = None,
-    record: Annotated[Path | None, typer.Option(help="Record the run (HDF5).")] = None,
+    record: Annotated[Path | None, typer.Option(help="Record the run (HDF5), to be replayed bit for bit.")] = None,
+    record_contacts: Annotated[
+        bool, typer.Option("--record-contacts", help="Keep contact points in the recording, too.")
+    ] = False,
+    record_full: Annotated[
+        bool, typer.Option("--record-full", help="Keep frames of the recording in float64, not only for the eye.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print the table as JSON.")] = False,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value of the scene; repeatable.")
@@ -60,7 +66,9 @@ def run(
 
     began = time.perf_counter()
     try:
-        with _writer(record, simulation, every) as writer, _progress(simulation.scene.title, json) as on_progress:
+        keep = {"contacts": record_contacts, "precision": "full" if record_full else "display"}
+        title = simulation.scene.title
+        with _writer(record, simulation, keep) as writer, progress(title, json) as on_progress:
             run_simulation(simulation, recorder=recorder, writer=writer, on_progress=on_progress)
     except KeyboardInterrupt:
         kept = f"; what was recorded until then is in {record}" if record else ""
@@ -81,40 +89,14 @@ def run(
 
 
 @contextmanager
-def _writer(path: Path | None, simulation: Simulation, every: int) -> Iterator[Any]:
+def _writer(path: Path | None, simulation: Simulation, keep: dict[str, Any]) -> Iterator[Any]:
     if path is None:
         yield None
         return
-    from stiction.record.hdf5 import RecordingWriter
+    from stiction.record.writer import RecordingWriter
 
-    with RecordingWriter(path, simulation, every) as writer:
+    with RecordingWriter(path, simulation, **keep) as writer:
         yield writer
-
-
-@contextmanager
-def _progress(title: str, quiet: bool) -> Iterator[Callable[[int, int], None]]:
-    """A bar on a terminal, two lines in a log. The first step may have to compile the kernels, and says so."""
-    from stiction.core import jit
-
-    first = "compiling kernels (once on this machine, about 20 s)" if jit.is_cold() else "simulating"
-    if not err.is_terminal:
-        if not quiet:
-            say(f"{title}: {first} …")
-        yield lambda done, total: None
-        return
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed}/{task.total}"),
-    )
-    with Progress(*columns, TimeRemainingColumn(), console=err, transient=True) as bar:
-        task = bar.add_task(first, total=None)
-
-        def on_progress(done: int, total: int) -> None:
-            bar.update(task, completed=done, total=total, description="simulating")
-
-        yield on_progress
 
 
 def _write(frames: Frames, simulation: Simulation, html: Path | None, plot: Path | None) -> None:

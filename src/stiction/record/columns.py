@@ -123,7 +123,7 @@ class PackedColumn:
 def pack(piece: NDArray[Any]) -> bytes:
     """As HDF5's filters shuffle and gzip make it."""
     planes = np.ascontiguousarray(piece).reshape(-1).view(np.uint8).reshape(-1, piece.dtype.itemsize)
-    return zlib.compress(np.ascontiguousarray(planes.T), LEVEL)
+    return zlib.compress(planes.T.tobytes(), LEVEL)
 
 
 def piece_rows(bodies: int) -> int:
@@ -146,7 +146,7 @@ def encode(name: str, values: NDArray[np.float64], precision: str) -> NDArray[An
         return values.astype(dtype)
 
 
-def decode(name: str, stored: NDArray[Any]) -> NDArray[np.float64]:
+def decode(stored: NDArray[Any]) -> NDArray[np.float64]:
     """What :func:`encode` stored, in float64; orientations are unit quaternions again, NaN for bodies not there."""
     values: NDArray[np.float64] = stored.astype(np.float64)
     if stored.dtype.kind == "i":

@@ -116,8 +116,7 @@ class FileWriter:
         n, rows = len(bodies), piece_rows(len(bodies))
         types = layout.FRAME_TYPES[precision]
         self._packed = {
-            name: PackedColumn(file, f"frames/{name}", types[name], n, width, rows)
-            for name, width in WIDTHS.items()
+            name: PackedColumn(file, f"frames/{name}", types[name], n, width, rows) for name, width in WIDTHS.items()
         }
         if contacts:
             self._packed["motion"] = PackedColumn(file, "frames/motion", "u1", n, 1, rows)

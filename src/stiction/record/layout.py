@@ -32,12 +32,9 @@ FRAME_TYPES = {
 }
 """Types of the arrays of a frame, little-endian as everything in the file."""
 
-DISPLAY_CONTACT = np.dtype(
-    [
-        (name, *(("<f4", *rest[1:]) if np.dtype(rest[0]).kind == "f" else (np.dtype(rest[0]).str, *rest[1:])))
-        for name, *rest in CONTACT_DTYPE.descr
-    ]
-)
+_CONTACT_PARTS: dict[str, np.dtype[Any]] = {name: CONTACT_DTYPE[name] for name in CONTACT_DTYPE.names or ()}
+_SINGLE: Any = {name: np.dtype("<f4") if part.base.kind == "f" else part.base for name, part in _CONTACT_PARTS.items()}
+DISPLAY_CONTACT: np.dtype[Any] = np.dtype([(name, _SINGLE[name], part.shape) for name, part in _CONTACT_PARTS.items()])
 """Contact points for display: the columns of ``CONTACT_DTYPE``, numbers in float32."""
 
 ENERGY_FIELDS = (

@@ -16,7 +16,7 @@ from stiction.motion import Motion
 from stiction.record import layout
 from stiction.record.bodies import info_from_dict
 from stiction.record.columns import decode
-from stiction.record.frames import BodyInfo, Frames
+from stiction.record.frames import Frames
 from stiction.record.recorder import WIDTHS
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ class Recording:
         format_version: 2, or 1 for recordings of earlier versions, which hold frames and a scene, but neither hashes
             nor inputs, so that they cannot be checked.
         title: a few words. dt: time step, s. every: steps from one frame to the next. solver: its name.
+        precision: of frames, ``"display"`` or ``"full"``.
         first_step: steps that had been taken when the recording began.
         bodies: what does not change about each body that was ever there, in order of creation: the second axis of all
             arrays. Where a body was not there, frames hold NaN.
@@ -66,6 +67,7 @@ class Recording:
             self.scene: dict[str, Any] | None = layout.read_json(self._file, "scene")
             if self.scene is not None and not isinstance(self.scene, dict):
                 raise ValueError("its scene is no table")
+            self.precision = str(attributes.setdefault("precision", "full"))
             self.metadata: dict[str, Any] = {**attributes, "scene": self.scene}
             if self.format_version > 1:
                 for name in ("settings", "materials", "meta"):
@@ -216,9 +218,7 @@ class Recording:
 
     # --- frames -------------------------------------------------------------------------------------------------------
 
-    def positions(
-        self, body: str | int | None = None, start: float | None = None, stop: float | None = None
-    ) -> Array:
+    def positions(self, body: str | int | None = None, start: float | None = None, stop: float | None = None) -> Array:
         """Positions of the frames from ``start`` to ``stop``, both included, m; nothing else is read.
 
         Args:
@@ -239,9 +239,7 @@ class Recording:
         """Unit quaternions (w, x, y, z), (f, n, 4) or (f, 4), as :meth:`positions`."""
         return self._array("orientations", body, start, stop)
 
-    def velocities(
-        self, body: str | int | None = None, start: float | None = None, stop: float | None = None
-    ) -> Array:
+    def velocities(self, body: str | int | None = None, start: float | None = None, stop: float | None = None) -> Array:
         """Velocities of the centres of mass, m/s, (f, n, 3) or (f, 3), as :meth:`positions`."""
         return self._array("velocities", body, start, stop)
 
@@ -255,7 +253,7 @@ class Recording:
         """Contact points after that step, rows of :data:`stiction.contacts.CONTACT_DTYPE`; bodies by their place in
         ``bodies``.
 
-        They are read where the recording kept them (those of a frame), and otherwise the engine runs again to find them.
+        They are read where the recording kept them (at its frames), and otherwise the engine runs again to find them.
 
         Raises:
             InvalidInputError: the recording does not hold the step, or cannot be run again.
@@ -277,7 +275,7 @@ class Recording:
         ``meta`` holds what :attr:`metadata` has, and the outcome. Without contacts in the file there are none in the
         frames, and ``motion`` calls every body that can move free; ``meta["contacts"]`` says whether that is so.
         """
-        span = self._span(start, stop)
+        span = self.span(start, stop)
         arrays = {name: self._array(name, None, start, stop) for name in WIDTHS}
         f, n = arrays["positions"].shape[:2]
         if self.has_contacts:
@@ -300,6 +298,42 @@ class Recording:
             },
             **arrays,
         )  # fmt: skip
+
+    # --- other programs -----------------------------------------------------------------------------------------------
+
+    def to_xarray(self, start: float | None = None, stop: float | None = None) -> Any:
+        """The frames from ``start`` to ``stop`` (s) as an ``xarray.Dataset``: dimensions time, body, axis, component.
+
+        Raises:
+            InvalidInputError: xarray is not installed.
+        """
+        from stiction.record.export import dataset_of
+
+        return dataset_of(self.frames(start, stop))
+
+    def export(self, path: str | Path, start: float | None = None, stop: float | None = None) -> None:
+        """Write the frames from ``start`` to ``stop`` (s) as the ending says: ``.glb`` (an animation), ``.parquet`` (a
+        row a body and frame) or ``.nc`` (NetCDF).
+
+        Raises:
+            InvalidInputError: the ending is not known, or a package that it needs is not installed.
+            OutputError: the file cannot be written.
+        """
+        from stiction.record.export import write
+
+        write(self, path, start, stop)
+
+    def to_parquet(self, path: str | Path, start: float | None = None, stop: float | None = None) -> None:
+        """Write a Parquet file, whatever its name: a row a body and frame.
+
+        Raises:
+            InvalidInputError: pyarrow is not installed.
+            OutputError: the file cannot be written.
+        """
+        from stiction import outputs
+        from stiction.record.export import write_parquet
+
+        write_parquet(self, outputs.writable("path", path), start, stop)
 
     # --- running again ------------------------------------------------------------------------------------------------
 
@@ -367,7 +401,8 @@ class Recording:
         if self.format_version == 1:
             raise InvalidInputError(f"recording {str(self.path)!r} has no {what}, for it is of format version 1.")
 
-    def _span(self, start: float | None, stop: float | None) -> slice:
+    def span(self, start: float | None, stop: float | None) -> slice:
+        """The frames from ``start`` to ``stop`` (s), both included."""
         slack = 1e-6 * self.dt
         first = 0 if start is None else int(np.searchsorted(self.times, checks.number("start", start) - slack))
         last = len(self) if stop is None else int(np.searchsorted(self.times, checks.number("stop", stop) + slack))
@@ -385,16 +420,19 @@ class Recording:
         return number
 
     def _array(self, name: str, body: str | int | None, start: float | None, stop: float | None) -> Array:
-        span = self._span(start, stop)
+        span = self.span(start, stop)
         if body is None:
-            stored = self._read(f"frames/{name}", span)
-            values = decode(name, stored)
-        else:
-            number = self._number(body)
-            if number >= self._file[f"frames/{name}"].shape[1]:
-                return np.full((span.stop - span.start, WIDTHS[name]), np.nan)
-            values = decode(name, self._read(f"frames/{name}", (span, number)))
-        return values
+            return self.array(name, span)
+        number = self._number(body)
+        if number >= self._file[f"frames/{name}"].shape[1]:  # it was added after the last frame
+            return np.full((span.stop - span.start, WIDTHS[name]), np.nan)
+        return decode(self._read(f"frames/{name}", (span, number)))
+
+    def array(self, name: str, span: slice) -> Array:
+        """(f, n, width) one of the arrays of those frames, for all bodies."""
+        values = decode(self._read(f"frames/{name}", span))
+        missing = len(self.bodies) - values.shape[1]
+        return values if missing <= 0 else np.pad(values, ((0, 0), (0, missing), (0, 0)), constant_values=np.nan)
 
     def _read(self, name: str, where: Any) -> NDArray[Any]:
         try:

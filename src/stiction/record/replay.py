@@ -17,6 +17,7 @@ from stiction.record.columns import encode
 from stiction.record.inputs import Input, add_body, apply, materials_from
 from stiction.record.recorder import WIDTHS
 from stiction.record.recording import UNREADABLE, Recording
+from stiction.scene import Scene, Simulation
 from stiction.snapshot import put
 from stiction.world import World
 
@@ -75,7 +76,7 @@ class Replayer:
     """A world on its way through a recording again, from the last snapshot at or before a step.
 
     Args:
-        recording: of format 2.
+        recording: of format 2; those of format 1 have no snapshots.
         step: not after the last one.
 
     Attributes:
@@ -86,11 +87,6 @@ class Replayer:
     """
 
     def __init__(self, recording: Recording, step: int) -> None:
-        if recording.format_version == 1:
-            raise InvalidInputError(
-                f"recording {str(recording.path)!r} cannot be run again from its snapshots, for it is of format version "
-                f"1 and has none; stiction.record.hdf5.restore() gives its simulation at the beginning."
-            )
         steps = recording.checkpoint_steps
         number = int(np.searchsorted(steps, step, side="right")) - 1
         if number < 0:
@@ -134,6 +130,11 @@ class Replayer:
 def world_and_slots(recording: Recording, step: int) -> tuple[World, Slots]:
     """The world after that step, and the place of each of its bodies in ``recording.bodies``."""
     step = recording.step("step", step)
+    if recording.format_version == 1:
+        simulation = simulation_of(recording)
+        if step > 0:
+            simulation.advance(step)
+        return simulation.world, np.arange(len(simulation.world), dtype=np.int64)
     replayer = Replayer(recording, step)
     replayer.advance_to(step)
     return replayer.world, replayer.slots
@@ -156,6 +157,8 @@ def check(
     last = recording.step_at("stop", stop, recording.last_step)
     if last < first:
         raise InvalidInputError(f"stop must not be before start, got {start!r} to {stop!r} s.")
+    if recording.format_version == 1:
+        return _check_frames(recording, first, last, on_progress)
     replayer = Replayer(recording, first)
     notes = _other_engine(recording)
     hashes, fingerprint = recording.hashes, Fingerprint()
@@ -184,8 +187,34 @@ def check(
         notes.append(f"the run ended here with {str(error)!r}, and the recorded one did not.")
         return ReplayCheck(first, last, step + 1 if differs_at is None else differs_at, [], notes)
     if differs_at is not None:
-        notes.append(f"no body differs by more than {recording.metadata['precision']} precision in any frame up to the end.")
+        notes.append(f"no body differs by more than the precision of frames ({recording.precision}) up to the end.")
     return ReplayCheck(first, last, differs_at, [], notes)
+
+
+def simulation_of(recording: Recording) -> Simulation:
+    """The simulation of a recording of a scene, at its beginning.
+
+    Raises:
+        InvalidInputError: it has no scene, or the scene's bodies are not those recorded.
+    """
+    path = str(recording.path)
+    if recording.scene is None:
+        raise InvalidInputError(
+            f"recording {path!r} has no scene, for it is of a world made in Python; Recording.world() gives that."
+        )
+    simulation = Simulation(Scene.from_dict(recording.scene, str(recording.metadata["scene_name"])))
+    world = simulation.world
+    names = [str(row["name"]) for row in recording._rows]
+    initial = {} if recording.format_version > 1 else {key: recording._read(f"initial/{key}", ...) for key in WIDTHS}
+    if [body.name for body in world] != names or any(
+        values.shape != (len(world), WIDTHS[key]) for key, values in initial.items()
+    ):
+        raise InvalidInputError(f"recording {path!r} holds other bodies than its scene, so it cannot be restored.")
+    if recording.format_version > 1:
+        put(world, recording.snapshot(0))
+    for key, values in initial.items():
+        getattr(world, key)[:] = values
+    return simulation
 
 
 # --- pieces -----------------------------------------------------------------------------------------------------------
@@ -243,13 +272,13 @@ def _compare(recording: Recording, step: int, state: Array, slots: Slots) -> lis
         before = bodies[:n, :STATE_WIDTH]
         differs = (before != state).any(axis=1)
     elif len(frames):
-        time = float(recording.times[frames[0]])
+        k = int(frames[0])
         stored, same = [], []
         column = 0
         for name, width in WIDTHS.items():
-            recorded = recording._array(name, None, time, time)[0][slots]
-            rounded = encode(name, state[:, column : column + width], recording.metadata["precision"])
-            raw = recording._read(f"frames/{name}", int(frames[0]))[slots]
+            recorded = recording.array(name, slice(k, k + 1))[0][slots]
+            rounded = encode(name, state[:, column : column + width], recording.precision)
+            raw = recording._read(f"frames/{name}", k)[slots]
             same.append((rounded == raw).all(axis=1))
             stored.append(recorded)
             column += width
@@ -272,3 +301,20 @@ def _compare(recording: Recording, step: int, state: Array, slots: Slots) -> lis
             )
         )
     return sorted(found, key=lambda one: -(one.position + one.angle + one.velocity + one.angular_velocity))
+
+
+def _check_frames(recording: Recording, first: int, last: int, on_progress: Progress | None) -> ReplayCheck:
+    """What :func:`check` does for a recording of format 1: its frames are exact, but there is nothing between them."""
+    simulation = simulation_of(recording)
+    world = simulation.world
+    notes = ["it is of format version 1: frames were compared, and steps between them were not."]
+    for step in recording.frame_steps[(recording.frame_steps >= first) & (recording.frame_steps <= last)].tolist():
+        if step > world.steps:
+            simulation.advance(step - world.steps)
+        state = world._store.column(world._state.POSITION, STATE_WIDTH)
+        bodies = _compare(recording, step, state, np.arange(len(world), dtype=np.int64))
+        if bodies:
+            return ReplayCheck(first, last, step, bodies, notes)
+        if on_progress is not None:
+            on_progress(step - first, last - first)
+    return ReplayCheck(first, last, None, [], notes)

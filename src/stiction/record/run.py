@@ -72,9 +72,9 @@ def run(
 ) -> RunResult:
     """Take a simulation to its end from wherever it is.
 
-    Frames are kept at the steps that the recorder asks for, and at the end; a writer notes every step by itself. What goes wrong on the way is raised
-    again after the writer's file has been closed, with all frames up to there; the simulation can be looked at, and
-    after Ctrl-C also be run further.
+    Frames are kept at the steps that the recorder asks for, and at the end; a writer notes every step by itself. What
+    goes wrong on the way is raised again after the writer's file has been closed, with all steps up to there; the
+    simulation can be looked at, and after Ctrl-C also be run further.
 
     Args:
         simulation: what to run.

@@ -1,7 +1,7 @@
 """Recording a world while it runs: every step is noted, and everything that changes the world from outside.
 
-In the simulation's thread a step costs a copy of its state; hashes, rounding, deflating and the file are the business of
-a :class:`stiction.record.worker.Worker`.
+In the simulation's thread a step costs a copy of its state; hashes, rounding, deflating and the file are the business
+of a :class:`stiction.record.worker.Worker`.
 """
 
 from __future__ import annotations
@@ -102,6 +102,8 @@ class RecordingWriter:
 
         self._store = world._store
         self._first = self._noted = world.steps
+        self._count = 0
+        self._states: Array
         self._slots = np.arange(len(world), dtype=np.int64)
         self._next_slot = len(world)
         self._last: Array = self._state().copy()
