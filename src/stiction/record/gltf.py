@@ -82,7 +82,7 @@ class _Builder:
         frames = self._frames
         body = frames.bodies[number]
         positions, orientations = frames.positions[:, number], frames.orientations[:, number]
-        there: NDArray[np.bool_] = np.isfinite(positions).all(axis=1)
+        there = np.asarray(np.isfinite(positions).all(axis=1))
         node: dict[str, Any] = {
             "name": body.name,
             "mesh": self._mesh(body.shape, self._material(body.material, body.fixed)),
