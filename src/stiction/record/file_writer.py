@@ -220,6 +220,7 @@ class FileWriter:
             lengths["frames/steps"] = min(packed.length for packed in self._packed.values())
             self._commits.add([[lengths[name] for name in layout.COUNTED]])
             self._commits.write()
+            layout.sign(self._file)
         except (OSError, RuntimeError) as error:
             raise OutputError(f"recording {str(self._path)!r} cannot be written any further: {error}.") from None
 

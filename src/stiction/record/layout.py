@@ -6,6 +6,8 @@ docs/recordings.md describes it for readers in other languages; what is written 
 from __future__ import annotations
 
 import json
+import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +53,10 @@ INPUT_DTYPE = np.dtype([("step", "<i8"), ("body", "<i4"), ("what", "u1")])
 CHECKPOINT_DTYPE = np.dtype([("step", "<i8"), ("start", "<i8"), ("length", "<i8")])
 """A row of ``checkpoints/rows``: steps taken by then, and where in ``checkpoints/data`` its bytes are."""
 OUTCOME_DTYPE = np.dtype("S400")
+USER_BLOCK = 512
+"""Bytes before all that is HDF5's."""
+SIGNATURE, FLAGS = b"\x89HDF\r\n\x1a\n", 11
+"""With which HDF5's part begins, and where in it the flags are."""
 OPEN_OUTCOME = "not closed"
 """Outcome of a recording that is still being written, or whose process was killed."""
 
@@ -60,9 +66,37 @@ def create_file(path: Path) -> h5py.File:
     if path.exists() and path.stat().st_size > 0 and not h5py.is_hdf5(path):
         raise OutputError(f"recording must not replace a file of another kind, and {str(path)!r} is no HDF5 file.")
     try:
-        return h5py.File(path, "w", libver=("v110", "v110"))
+        return h5py.File(path, "w", libver=("v110", "v110"), userblock_size=USER_BLOCK)
     except OSError as error:
         raise OutputError(f"recording cannot be written: {str(path)!r}: {error}.") from None
+
+
+def sign(file: h5py.File) -> None:
+    """Write down, before all that is HDF5's, how long the file is now that a commit is whole."""
+    if not hasattr(os, "pwrite"):  # Windows: a file that was cut off is found out later there
+        return
+    handle = file.id.get_vfd_handle()
+    text = f"{FORMAT} {FORMAT_VERSION}\n{os.fstat(handle).st_size:020d} bytes\n"
+    os.pwrite(handle, text.encode(), 0)
+
+
+def _is_cut_off(path: Path) -> bool:
+    """Whether the file is shorter than it was at its last commit."""
+    match = re.fullmatch(rb"[a-z ]+ \d+\n(\d{20}) bytes\n\0*", _head(path)[:USER_BLOCK])
+    return match is not None and path.stat().st_size < int(match[1])
+
+
+def _is_being_written(path: Path) -> bool:
+    """Whether the file says that somebody writes it, who may have been killed (HDF5 file format, superblock 3)."""
+    head = _head(path)
+    start = head.find(SIGNATURE)
+    flags = head[start + FLAGS : start + FLAGS + 1]
+    return start in (0, USER_BLOCK) and flags != b"" and flags[0] & 1 == 1
+
+
+def _head(path: Path) -> bytes:
+    with path.open("rb") as file:
+        return file.read(2 * USER_BLOCK)
 
 
 def open_file(path: str | Path) -> tuple[h5py.File, int]:
@@ -76,12 +110,16 @@ def open_file(path: str | Path) -> tuple[h5py.File, int]:
     try:
         file = h5py.File(path, "r")
     except OSError as first:
-        try:  # while it is written, and after its process was killed, only a reader that says so may read it
-            file = h5py.File(path, "r", libver="latest", swmr=True)
-        except (OSError, ValueError):
-            if h5py.is_hdf5(path):
-                raise InvalidInputError(f"recording {str(path)!r} cannot be opened: {first}.") from None
+        if not h5py.is_hdf5(path):
             raise InvalidInputError(f"{str(path)!r} is not a recording of stiction: it is no HDF5 file.") from None
+        try:  # while it is written, and after its process was killed, only a reader that says so may read it
+            if _is_cut_off(Path(path)):  # asked before: such a reader would wait for the rest
+                raise OSError("it is cut off, and shorter than it was once")
+            if not _is_being_written(Path(path)):
+                raise first
+            file = h5py.File(path, "r", libver="latest", swmr=True)
+        except (OSError, ValueError) as error:
+            raise InvalidInputError(f"recording {str(path)!r} cannot be opened: {error}.") from None
     try:
         if file.attrs.get("format") != FORMAT:
             raise InvalidInputError(f"{str(path)!r} is not a recording of stiction, but another HDF5 file.")
