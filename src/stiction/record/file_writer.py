@@ -65,6 +65,7 @@ class Batch(NamedTuple):
         frames: which of them become frames, by steps taken.
         inputs: before, between and after these steps.
         checkpoints: snapshots, with the steps taken by then.
+        room: memory that may be used again once the batch has been taken in.
     """
 
     first: int
@@ -73,6 +74,7 @@ class Batch(NamedTuple):
     frames: dict[int, Moment]
     inputs: list[RawInput]
     checkpoints: list[tuple[int, Snapshot]]
+    room: Array | None = None
 
 
 class FileWriter:

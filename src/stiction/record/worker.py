@@ -5,8 +5,14 @@ from __future__ import annotations
 import queue
 import threading
 import time
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
 
 from stiction.record.file_writer import Batch, FileWriter
+
+Array = NDArray[np.float64]
 
 WAITING = 8
 """Batches that may wait; when there are more, the simulation does."""
@@ -23,6 +29,7 @@ class Worker:
         self._file = file
         self._queue: queue.Queue[Batch | threading.Event | None] = queue.Queue(WAITING)
         self._failure: BaseException | None = None
+        self._free: deque[Array] = deque(maxlen=WAITING)
         self._thread = threading.Thread(target=self._run, name="stiction recording", daemon=True)
         self._thread.start()
 
@@ -34,6 +41,14 @@ class Worker:
         """
         self._raise()
         self._queue.put(batch)
+
+    def room(self, shape: tuple[int, ...]) -> Array:
+        """Memory for the states of a batch: that of one that has been written, which is faster than new memory."""
+        while self._free:
+            room = self._free.popleft()
+            if room.shape == shape:
+                return room
+        return np.empty(shape)
 
     def flush(self) -> None:
         """Wait until all that was handed over is in the file.
@@ -76,6 +91,8 @@ class Worker:
                     pass  # the file takes no more
                 elif isinstance(one, Batch):
                     self._file.process(one)
+                    if one.room is not None:
+                        self._free.append(one.room)
                     pending, now = True, time.monotonic()
                     if now - committed > COMMIT_SECONDS:
                         partial = now - full > PARTIAL_SECONDS

@@ -109,7 +109,6 @@ class RecordingWriter:
         self._last: Array = self._state().copy()
         self._materials_version = world.materials.version
         self._touched: dict[int, Array] = {}
-        self._new_batch(self._first + 1)
         self._last_frame_step = self._first
         self._frames = 0
         self._closed = False
@@ -125,6 +124,7 @@ class RecordingWriter:
             file.commit(partial=True)
             file.share()
             self._worker = Worker(file)
+            self._new_batch(self._first + 1)
         world._journal = self
         atexit.register(self.close)
 
@@ -298,7 +298,7 @@ class RecordingWriter:
         room = max(1, min(BATCH_STEPS, BATCH_BYTES // (8 * STATE_WIDTH * max(1, n))))
         self._first_in_batch = first
         self._handed_over = time.monotonic()
-        self._states = np.empty((room, n, STATE_WIDTH))
+        self._states = self._worker.room((room, n, STATE_WIDTH))
         self._count = 0
         self._frames_due: dict[int, Moment] = {}
         self._inputs: list[RawInput] = []
@@ -308,9 +308,11 @@ class RecordingWriter:
         """Give what was noted to the worker; Ctrl-C must not come between."""
         checkpoints = list(self._checkpoints.items())
         if self._count or self._inputs:
-            states = self._states[: self._count]
-            batch = Batch(self._first_in_batch, states, self._slots, self._frames_due, self._inputs, checkpoints)
-            self._worker.put(batch)
+            states, self._last = self._states[: self._count], self._last.copy()
+            due = self._frames_due
+            self._worker.put(
+                Batch(self._first_in_batch, states, self._slots, due, self._inputs, checkpoints, self._states)
+            )
         self._new_batch(self._noted + 1)
 
     def _change_slots(self, slots: NDArray[np.int64]) -> None:
