@@ -73,9 +73,9 @@ class Journaled:
             >>> import stiction as st
             >>> world = st.World()
             >>> ball = world.add(st.Sphere(0.5), position=(0, 0, 3))
-            >>> with world.record("/tmp/ball.h5"):
+            >>> with world.record("ball.h5"):
             ...     world.run(1.0)
-            >>> with st.Recording.open("/tmp/ball.h5") as recording:
+            >>> with st.Recording.open("ball.h5") as recording:
             ...     recording.check().same
             True
         """
