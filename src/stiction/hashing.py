@@ -24,6 +24,8 @@ PARTS = {
 }
 """Where each of them is, under the name of the world's array."""
 
+AT_ONCE = 1 << 16
+"""Words that are hashed at once: they stay in the cache, and Python is asked for seldom."""
 _MASK = (1 << 64) - 1
 
 
@@ -51,18 +53,28 @@ class Fingerprint:
     """
 
     def __init__(self) -> None:
-        self._scratch: Words = np.zeros(0, np.uint64)
+        self._scratch: Words = np.zeros((0, 0), np.uint64)
 
     def __call__(self, steps: int, state: Array) -> int:
         """Of a contiguous state (n, 13) after ``steps`` steps."""
-        words = state.reshape(-1).view(np.uint64)
-        if len(self._scratch) != len(words):
-            self._scratch = np.empty_like(words)
-        mixed = self._scratch
-        np.right_shift(words, np.uint64(32), out=mixed)
-        np.bitwise_xor(words, mixed, out=mixed)
-        np.multiply(mixed, _weights(len(words)), out=mixed)
-        return _scramble(int(np.add.reduce(mixed)) ^ _scramble(steps) ^ len(state))
+        return self.of_steps(steps, state[None])[0]
+
+    def of_steps(self, first: int, states: Array) -> list[int]:
+        """Of contiguous states (k, n, 13), one a step, the first one after ``first`` steps."""
+        k, n = states.shape[:2]
+        words = states.reshape(k, -1).view(np.uint64)
+        weights, sums = _weights(words.shape[1]), []
+        at_once = max(1, AT_ONCE // max(1, words.shape[1]))
+        for start in range(0, k, at_once):
+            part = words[start : start + at_once]
+            if self._scratch.shape != part.shape:
+                self._scratch = np.empty_like(part)
+            mixed = self._scratch
+            np.right_shift(part, np.uint64(32), out=mixed)
+            np.bitwise_xor(part, mixed, out=mixed)
+            np.multiply(mixed, weights, out=mixed)
+            sums += np.add.reduce(mixed, axis=1).tolist()
+        return [_scramble(total ^ _scramble(first + step) ^ n) for step, total in enumerate(sums)]
 
 
 @functools.lru_cache(maxsize=8)

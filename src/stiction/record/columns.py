@@ -13,7 +13,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.record.layout import FRAME_TYPES, HALF_MAX, QUATERNION_SCALE
+from stiction.record.layout import FRAME_TYPES, HALF_MAX, HALF_MIN, QUATERNION_SCALE
 
 PIECE_NUMBERS = 1 << 16
 """Bodies times frames of a piece of a frame array, about."""
@@ -139,9 +139,14 @@ def encode(name: str, values: NDArray[np.float64], precision: str) -> NDArray[An
     """An array of frames as it is stored."""
     dtype = FRAME_TYPES[precision][name]
     if dtype == "i2":
-        return np.rint(np.nan_to_num(values) * QUATERNION_SCALE).astype(np.int16)
+        scaled = values.astype(np.float32) * np.float32(QUATERNION_SCALE)
+        scaled[np.isnan(scaled)] = 0.0
+        return np.rint(scaled, out=scaled).astype(np.int16)
     if dtype == "f2":
-        return np.clip(values, -HALF_MAX, HALF_MAX).astype(np.float16)
+        with np.errstate(over="ignore"):
+            single = values.astype(np.float32)
+        single[np.abs(single) < HALF_MIN] = 0.0
+        return np.clip(single, -HALF_MAX, HALF_MAX, out=single).astype(np.float16)
     with np.errstate(over="ignore"):  # beyond 3e38 m a position for display is infinite
         return values.astype(dtype)
 

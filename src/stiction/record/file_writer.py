@@ -148,11 +148,10 @@ class FileWriter:
 
     def process(self, batch: Batch) -> None:
         """Take a batch in; :meth:`commit` writes it."""
-        for k, state in enumerate(batch.states):
-            step = batch.first + k
-            if step > self._last_hash:
-                self._plain["hashes"].add([self._fingerprint(step, state)])
-                self._last_hash = step
+        new = max(0, self._last_hash + 1 - batch.first)
+        if new < len(batch.states):
+            self._plain["hashes"].add(self._fingerprint.of_steps(batch.first + new, batch.states[new:]))
+            self._last_hash = batch.first + len(batch.states) - 1
         self._add_inputs(batch.inputs)
         for step, snapshot in batch.checkpoints:
             data = np.frombuffer(pack_snapshot(snapshot), np.uint8)

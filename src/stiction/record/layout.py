@@ -28,6 +28,9 @@ QUATERNION_SCALE = 32767
 """Orientations for display are whole numbers of 16 bits, 1 is that number."""
 HALF_MAX = float(np.finfo(np.float16).max)
 """m/s and rad/s: faster bodies are written down with this speed in velocities for display."""
+HALF_MIN = float(np.finfo(np.float16).smallest_normal)
+"""m/s and rad/s, 6e-5: slower ones count as at rest there. What trembles need not be kept, and numbers that small would
+take twenty times as long to round."""
 FRAME_TYPES = {
     "display": {"positions": "f4", "orientations": "i2", "velocities": "f2", "angular_velocities": "f2"},
     "full": dict.fromkeys(WIDTHS, "f8"),

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 WAITING = 8
 """Batches that may wait; when there are more, the simulation does."""
-COMMIT_SECONDS = 0.25
+COMMIT_SECONDS = 0.5
 """Full pieces are written after that time."""
 PARTIAL_SECONDS = 1.0
 """Pieces that are not full, too, are written after that time: no more than that is lost when a process is killed."""
