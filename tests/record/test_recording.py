@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import h5py
@@ -123,8 +124,7 @@ def test_a_recording_is_read_while_it_is_written(tmp_path: Path) -> None:
 
 
 KILLED = """
-import os, signal, sys, threading, time
-import stiction as st
+import sys
 from tests_worlds import tower
 world = tower()
 with world.record(sys.argv[1], every=2) as writer:
@@ -150,6 +150,7 @@ def test_after_a_kill_all_that_was_flushed_opens_and_its_hashes_hold(tmp_path: P
         flushed = int(process.stdout.readline())
         with st.Recording.open(path) as recording:
             while recording.last_step < 400:  # while it is being written
+                time.sleep(0.02)
                 recording.refresh()
         process.send_signal(signal.SIGKILL)
         process.wait()

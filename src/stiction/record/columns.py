@@ -141,12 +141,14 @@ def encode(name: str, values: NDArray[np.float64], precision: str) -> NDArray[An
     if dtype == "i2":
         scaled = values.astype(np.float32) * np.float32(QUATERNION_SCALE)
         scaled[np.isnan(scaled)] = 0.0
-        return np.rint(scaled, out=scaled).astype(np.int16)
+        np.rint(scaled, out=scaled)
+        return scaled.astype(np.int16)
     if dtype == "f2":
         with np.errstate(over="ignore"):
             single = values.astype(np.float32)
         single[np.abs(single) < HALF_MIN] = 0.0
-        return np.clip(single, -HALF_MAX, HALF_MAX, out=single).astype(np.float16)
+        np.clip(single, -HALF_MAX, HALF_MAX, out=single)
+        return single.astype(np.float16)
     with np.errstate(over="ignore"):  # beyond 3e38 m a position for display is infinite
         return values.astype(dtype)
 
