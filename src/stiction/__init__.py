@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from stiction._version import __version__
 from stiction.body import Body
 from stiction.errors import (
@@ -25,6 +27,9 @@ from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sp
 from stiction.vehicle import Vehicle
 from stiction.wheels import VehicleWork, Wheel, WheelState, four_wheels
 from stiction.world import World
+
+if TYPE_CHECKING:
+    from stiction.record.recording import Recording
 
 __all__ = [
     "Body",
@@ -51,6 +56,7 @@ __all__ = [
     "Plane",
     "RayHit",
     "RayHits",
+    "Recording",
     "Shape",
     "SimulationError",
     "SolverReport",
@@ -66,3 +72,12 @@ __all__ = [
     "__version__",
     "four_wheels",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Names whose packages are heavy, when they are first asked for."""
+    if name == "Recording":
+        from stiction.record.recording import Recording
+
+        return Recording
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

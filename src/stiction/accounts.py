@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from stiction import checks
 from stiction.body import Body
 from stiction.contacts import CONTACT_DTYPE
 from stiction.errors import IterationLimitWarning, NotYetError
+from stiction.hashing import STATE_WIDTH, state_hash
 from stiction.reports import Energy, SolverReport
 
 if TYPE_CHECKING:
@@ -166,11 +166,7 @@ class Accounts:
 
     def state_hash(self) -> str:
         """A hash of time, positions, orientations and velocities of all bodies, bit for bit."""
-        state = self._state
-        digest = hashlib.blake2b(str(self._store.steps).encode(), digest_size=16)
-        for column, width in ((state.POSITION, 3), (state.ORIENTATION, 4), (state.V, 3), (state.W, 3)):
-            digest.update(np.ascontiguousarray(self._store.column(column, width)).tobytes())
-        return digest.hexdigest()
+        return state_hash(self._store.steps, self._store.column(self._state.POSITION, STATE_WIDTH))
 
     def _warn_of_limit(self) -> None:
         self._warned = True

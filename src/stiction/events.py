@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from stiction.journal import Step
     from stiction.store import StepFailure, Store
 
 Integers = NDArray[np.int64]
@@ -62,11 +63,11 @@ class EventLog:
         self._names, _ = store.touching_pairs()
         self._parts: list[NDArray[Any]] = []
 
-    def follow(self, store: Store, steps: int, settings: Any, table: Any) -> StepFailure | None:
-        """Take steps one by one, and note what begins and ends in each."""
+    def follow(self, store: Store, take: Step, steps: int, settings: Any, table: Any) -> StepFailure | None:
+        """Take steps one by one with ``take``, and note what begins and ends in each."""
         self._parts.clear()
         for step in range(1, steps + 1):
-            failure = store.step(1, settings, table)
+            failure = take(1, settings, table)
             if failure is not None:
                 return failure
             self._note(store, step)

@@ -42,6 +42,10 @@ class HullTable:
             self._rows[key] = self._append(hull.points, polygons(hull.points, hull.faces))
         return self._rows[key]
 
+    def points(self) -> list[Array]:
+        """Points (v, 3) of the hulls that were added, in the order of their rows, m."""
+        return [np.frombuffer(key, np.float64).reshape(-1, 3) for key in self._rows]
+
     @property
     def arrays(self) -> Hulls:
         """The table as kernels take it."""

@@ -203,6 +203,7 @@ class SoftStore(Store):
 
     def watch(self) -> None:
         """Views of the state have been handed out: bodies may change without a word."""
+        super().watch()
         self.scratch.counts[soft_step.WATCHED] = 1
 
     def collect_contacts(self) -> None:

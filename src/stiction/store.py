@@ -47,6 +47,7 @@ class Store:
         self.polytopes = 0
         self.hulls = HullTable()
         self.sensors = 0
+        self.watched = False
         self.points = np.zeros((state.SCRATCH, 5))
 
     def add(self, row: dict[int, Any], shape: int, mobility: int, material: int) -> int:
@@ -146,7 +147,8 @@ class Store:
         """Body ``index`` was changed from outside."""
 
     def watch(self) -> None:
-        """Views of the state have been handed out."""
+        """Views of the state have been handed out: bodies may change without a word."""
+        self.watched = True
 
     def collect_contacts(self) -> None:
         """Make sure that the rows of contact points are those of the last step."""

@@ -15,6 +15,7 @@ from stiction.body import Body
 from stiction.body_rows import check_mobility, code_and_size, mass_columns
 from stiction.errors import InvalidInputError, NotYetError, SimulationError
 from stiction.events import ContactEvents, EventLog
+from stiction.journal import Journaled
 from stiction.materials import MaterialTable
 from stiction.pair_properties import PROPERTIES
 from stiction.queries import Queries
@@ -35,7 +36,7 @@ MOST_THREADS = 256
 MOBILITIES = ("static", "kinematic", "dynamic")
 
 
-class World(Queries, Accounts):
+class World(Queries, Accounts, Journaled):
     """A world of rigid bodies.
 
     Args:
@@ -214,6 +215,8 @@ class World(Queries, Accounts):
         if not isinstance(material, str) or material not in self.materials:
             self.materials.pair(material, material)  # raises, and names the nearest one
 
+        if self._journal is not None:
+            self._journal.catch_up()
         code, row[state.SIZE] = code_and_size(shape, self._store.hulls)
         mobility = state.STATIC if static else state.KINEMATIC if kinematic else state.DYNAMIC
         index = self._store.add(row, code, mobility, self._material_row(material))
@@ -225,6 +228,8 @@ class World(Queries, Accounts):
         body = Body(self, index, name, shape, material)
         self._bodies.append(body)
         self._by_name[name] = body
+        if self._journal is not None:
+            self._journal.added(body)
         return body
 
     def remove(self, body: Body | Iterable[Body]) -> None:
@@ -245,6 +250,8 @@ class World(Queries, Accounts):
             keep[one.index] = False
         if not gone:
             return
+        if self._journal is not None:
+            self._journal.removing([one.index for one in gone])
         new = self._store.remove(keep)
         if self._events is not None:
             self._events.renumber(new)
@@ -313,7 +320,10 @@ class World(Queries, Accounts):
 
     @gravity.setter
     def gravity(self, value: ArrayLike) -> None:
-        self._gravity = checks.vector("gravity", value)
+        gravity = checks.vector("gravity", value)
+        if self._journal is not None:
+            self._journal.gravity(gravity)
+        self._gravity = gravity
         self._settings = self._make_settings()
 
     @property
@@ -357,8 +367,9 @@ class World(Queries, Accounts):
         """
         steps = n if type(n) is int and n > 0 else checks.integer("n", n, minimum=1)
         store = self._store
-        step = store.step if self._events is None else functools.partial(self._events.follow, store)
-        failure = step(steps, self._settings, self._pair_table())
+        settings, table, journal, events = self._settings, self._pair_table(), self._journal, self._events
+        step = store.step if journal is None else functools.partial(journal.follow, store.step)
+        failure = step(steps, settings, table) if events is None else events.follow(store, step, steps, settings, table)
         if failure is not None:
             body = self._bodies[failure.body]
             last = {k: getattr(body, k) for k in ("position", "orientation", "velocity", "angular_velocity")}
@@ -452,6 +463,8 @@ class World(Queries, Accounts):
         return self._store.bodies[index, start : start + width].copy()
 
     def _write(self, index: int, column: str, value: Array) -> None:
+        if self._journal is not None:
+            self._journal.wrote(index, column, value)
         start: int = getattr(self._state, column)
         self._store.bodies[index, start : start + len(value)] = value
         self._store.edited(index)
@@ -460,6 +473,8 @@ class World(Queries, Accounts):
         return int(self._store.kinds[index, getattr(self._state, column)])
 
     def _write_kind(self, index: int, column: str, value: int) -> None:
+        if self._journal is not None:
+            self._journal.wrote_kind(index, column, value)
         self._store.kinds[index, getattr(self._state, column)] = value
         self._store.edited(index)
 

@@ -14,7 +14,9 @@ import pytest
 
 import stiction as st
 from stiction import InvalidInputError, OutputError, SimulationError
-from stiction.record import hdf5
+from stiction.motion import Motion
+from stiction.record import columns, worker
+from stiction.record import writer as writer_module
 from stiction.record.bodies import info_from_dict, info_to_dict, shape_from_dict, shape_to_dict
 from stiction.record.frames import CONTACT_DTYPE, BodyInfo, Frames
 from stiction.record.hdf5 import RecordingWriter, load_frames, restore
@@ -43,9 +45,9 @@ def assert_same(a: Frames, b: Frames, first: int | None = None) -> None:
 def test_a_file_holds_what_memory_holds(tmp_path: Path) -> None:
     simulation = crates()
     recorder = Recorder(simulation.world, simulation.scene.title, every=3)
-    with RecordingWriter(tmp_path / "run.h5", simulation, 3) as writer:
+    with RecordingWriter(tmp_path / "run.h5", simulation, 3, True, precision="full") as writer:
         run(simulation, recorder=recorder, writer=writer)
-        assert len(writer) == len(recorder) == 68  # 0, 3, … 198, and the last step, 200
+    assert len(writer) == len(recorder) == 68  # 0, 3, … 198, and the last step, 200
     frames = load_frames(tmp_path / "run.h5")
     assert_same(frames, recorder.frames())
     assert frames.contacts.dtype == CONTACT_DTYPE
@@ -55,51 +57,55 @@ def test_a_file_holds_what_memory_holds(tmp_path: Path) -> None:
 
 
 def test_frames_are_written_in_many_pieces_alike(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(hdf5, "BUFFERED_FRAMES", 7)
-    monkeypatch.setattr(hdf5, "CHUNK_BYTES", 256)
+    monkeypatch.setattr(writer_module, "BATCH_STEPS", 7)
+    monkeypatch.setattr(columns, "PIECE_FRAMES", (4, 5))
+    monkeypatch.setattr(columns, "PIECE_BODIES", 3)
+    monkeypatch.setattr(worker, "COMMIT_SECONDS", 0.0)
+    monkeypatch.setattr(worker, "PARTIAL_SECONDS", 0.0)
     simulation = crates()
     recorder = Recorder(simulation.world, simulation.scene.title)
-    with RecordingWriter(tmp_path / "run.h5", simulation) as writer:
+    with RecordingWriter(tmp_path / "run.h5", simulation, 1, True, precision="full") as writer:
         run(simulation, recorder=recorder, writer=writer, chunk=1)
     assert_same(load_frames(tmp_path / "run.h5"), recorder.frames())
 
 
-def test_what_is_written_can_be_read_while_the_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """So a machine that stops loses little: the file is flushed after some frames, and after a second at the latest."""
-    clock = [100.0]
-    monkeypatch.setattr(hdf5.time, "monotonic", lambda: clock[0])
+def test_frames_for_the_eye_are_near_those_in_memory(tmp_path: Path) -> None:
+    """Positions in float32, orientations in 16 bits, velocities in float16."""
     simulation = crates()
-    writer = RecordingWriter(tmp_path / "run.h5", simulation, 10)
-    writer.capture()
-    assert writer._frames == 0, "a single frame waits for others"
-    clock[0] += 5.0
-    simulation.advance(10)
-    writer.capture()
-    assert writer._frames == 2
-    copy = tmp_path / "copy.h5"
-    copy.write_bytes((tmp_path / "run.h5").read_bytes())
-    writer.close()
-    # a copy made while the file is open may be marked as open for writing, but its frames are there
-    with h5py.File(copy, "r") as file:
-        assert len(file["frames/times"]) == 2
-        assert file.attrs["outcome"] == "not closed"
+    simulation.world.bodies[1].angular_velocity = (0, 0, 1)
+    recorder = Recorder(simulation.world, simulation.scene.title)
+    with RecordingWriter(tmp_path / "run.h5", simulation, 1, True) as writer:
+        run(simulation, recorder=recorder, writer=writer)
+    file, memory = load_frames(tmp_path / "run.h5"), recorder.frames()
+    np.testing.assert_allclose(file.positions, memory.positions, rtol=6e-8, atol=1e-30)
+    np.testing.assert_allclose(file.orientations, memory.orientations, rtol=0, atol=3.1e-5)
+    np.testing.assert_allclose(file.velocities, memory.velocities, rtol=5e-4, atol=6.2e-5)
+    np.testing.assert_allclose(file.angular_velocities, memory.angular_velocities, rtol=5e-4, atol=6.2e-5)
+    np.testing.assert_allclose(np.linalg.norm(file.orientations, axis=2), 1.0, rtol=1e-12)
+    np.testing.assert_array_equal(file.motion, memory.motion)
+    np.testing.assert_array_equal(file.contact_offsets, memory.contact_offsets)
+    np.testing.assert_allclose(file.contacts["normal_impulse"], memory.contacts["normal_impulse"], rtol=1e-6)
 
 
 def test_contacts_can_be_left_out_of_a_file(tmp_path: Path) -> None:
     simulation = crates()
-    with RecordingWriter(tmp_path / "run.h5", simulation, 10, contacts=False) as writer:
+    with RecordingWriter(tmp_path / "run.h5", simulation, 10) as writer:
         run(simulation, writer=writer)
     frames = load_frames(tmp_path / "run.h5")
     assert len(frames) == 21
     assert len(frames.contacts) == 0 and frames.contact_offsets.tolist() == [0] * 22
+    assert frames.meta["contacts"] is False
+    assert set(frames.motion.ravel().tolist()) == {Motion.FIXED, Motion.FREE}
 
 
 def test_a_scene_without_bodies_can_be_recorded(tmp_path: Path) -> None:
     simulation = Simulation(Scene.from_dict({"title": "t", "expect": "e.", "duration": 0.1}))
-    with RecordingWriter(tmp_path / "run.h5", simulation) as writer:
+    with RecordingWriter(tmp_path / "run.h5", simulation, 1) as writer:
         run(simulation, writer=writer)
     frames = load_frames(tmp_path / "run.h5")
     assert frames.positions.shape == (7, 0, 3) and frames.bodies == []
+    with st.Recording.open(tmp_path / "run.h5") as recording:
+        assert recording.check().same
     assert restore(tmp_path / "run.h5").total_steps == 6
 
 
@@ -180,15 +186,16 @@ def test_ctrl_c_leaves_a_file_with_the_frames_up_to_there_and_a_simulation_that_
     start = simulation.world.positions.copy()
     with (
         pytest.raises(KeyboardInterrupt),
-        RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer,
+        RecordingWriter(tmp_path / "run.h5", simulation, 2, True, precision="full") as writer,
     ):
         run(simulation, writer=writer, on_progress=interrupt_at(101), chunk=3)
     frames = load_frames(tmp_path / "run.h5")
     assert frames.meta["outcome"] == "interrupted"
     stopped = simulation.step_index
     assert 101 <= stopped <= 104
-    assert len(frames) == stopped // 2 + 1
-    assert_same(frames, full_frames(), first=len(frames))
+    kept = stopped // 2 + 1
+    assert len(frames) == kept + stopped % 2  # the step at which it was interrupted is kept as well
+    assert_same(frames, full_frames(), first=kept)
     assert len(summary(simulation, start)) == 3
 
     run(simulation)
@@ -204,65 +211,68 @@ def test_a_signal_in_the_middle_of_a_run_does_the_same(tmp_path: Path) -> None:
         if done >= 50:
             os.kill(os.getpid(), signal.SIGINT)
 
-    with pytest.raises(KeyboardInterrupt), RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer:
+    with (
+        pytest.raises(KeyboardInterrupt),
+        RecordingWriter(tmp_path / "run.h5", simulation, 2, True, precision="full") as writer,
+    ):
         run(simulation, writer=writer, on_progress=press_ctrl_c)
     frames = load_frames(tmp_path / "run.h5")
     assert frames.meta["outcome"] == "interrupted"
     assert len(frames) > 20
-    assert_same(frames, full_frames(), first=len(frames))
+    assert_same(frames, full_frames(), first=simulation.step_index // 2 + 1)
 
 
-@pytest.mark.parametrize("call", range(8))
-def test_ctrl_c_in_the_middle_of_writing_loses_nothing(
-    call: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("place", ["_state", "_moment", "_hand_over", "step"])
+def test_ctrl_c_in_the_middle_of_noting_a_step_loses_nothing(
+    place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Whichever of a frame's eight data sets is being written."""
+    """The step was taken, so it is in the recording, and it is so once."""
     simulation = crates()
-    calls = [0]
-    put = hdf5._put
+    monkeypatch.setattr(writer_module, "BATCH_STEPS", 10)
+    with (
+        pytest.raises(KeyboardInterrupt),
+        RecordingWriter(tmp_path / "run.h5", simulation, 2, True, precision="full") as writer,
+    ):
+        owner, calls = (simulation.world._store if place == "step" else writer), [0]
+        real = getattr(owner, place)
 
-    def interrupted_once(target: Any, start: int, values: Any) -> None:
-        calls[0] += 1
-        if calls[0] == 9 + call:  # the first piece has been written
-            target.resize(start + 1, axis=0)  # as far as a write that is cut off may have come
-            raise KeyboardInterrupt
-        put(target, start, values)
+        def interrupted_once(*arguments: Any) -> Any:
+            calls[0] += 1
+            result = real(*arguments)
+            if calls[0] == 12:
+                raise KeyboardInterrupt
+            return result
 
-    monkeypatch.setattr(hdf5, "_put", interrupted_once)
-    monkeypatch.setattr(hdf5, "BUFFERED_FRAMES", 10)
-    with pytest.raises(KeyboardInterrupt), RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer:
+        monkeypatch.setattr(owner, place, interrupted_once)
         run(simulation, writer=writer)
     frames = load_frames(tmp_path / "run.h5")
-    assert len(frames) == 20
-    assert_same(frames, full_frames(), first=20)
-
-
-def test_a_last_frame_that_was_not_finished_is_left_out(tmp_path: Path) -> None:
-    simulation = crates()
-    with RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer:
-        run(simulation, writer=writer)
-    with h5py.File(tmp_path / "run.h5", "a") as file:
-        file["frames/motion"].resize(50, axis=0)
-    frames = load_frames(tmp_path / "run.h5")
-    assert len(frames) == 50
-    assert_same(frames, full_frames(), first=50)
+    stopped = simulation.step_index
+    assert 0 < stopped < 200
+    assert_same(frames, full_frames(), first=stopped // 2 + 1)
+    with st.Recording.open(tmp_path / "run.h5") as recording:
+        assert recording.last_step == stopped
+        assert recording.check().same
 
 
 def test_a_world_that_blows_up_leaves_the_frames_up_to_there(tmp_path: Path) -> None:
     ball = {"name": "ball", "shape": {"type": "sphere", "radius": 1.0}, "velocity": [1e153, 0, 0]}
     data = {"title": "t", "expect": "e.", "duration": 99.0, "world": {"dt": 1.0, "gravity": [0, 0, 0]}}
     simulation = Simulation(Scene.from_dict({**data, "bodies": [ball]}))
-    with pytest.raises(SimulationError), RecordingWriter(tmp_path / "run.h5", simulation) as writer:
+    with (
+        pytest.raises(SimulationError),
+        RecordingWriter(tmp_path / "run.h5", simulation, 1, precision="full") as writer,
+    ):
         run(simulation, writer=writer)
     frames = load_frames(tmp_path / "run.h5")
     assert len(frames) == simulation.step_index + 1 > 1
     assert np.isfinite(frames.positions).all()
     assert frames.meta["outcome"].startswith("failed: step ")
+    with st.Recording.open(tmp_path / "run.h5") as recording:
+        assert recording.check().same
 
 
 def test_any_other_error_is_written_down_too(tmp_path: Path) -> None:
     with pytest.raises(ZeroDivisionError), RecordingWriter(tmp_path / "run.h5", crates()) as writer:
-        writer.capture()
         _ = 1 // 0
     frames = load_frames(tmp_path / "run.h5")
     assert len(frames) == 1
@@ -274,7 +284,6 @@ def test_any_other_error_is_written_down_too(tmp_path: Path) -> None:
 def test_a_writer_that_is_closed_by_hand_says_how_far_the_run_came(tmp_path: Path) -> None:
     simulation = crates()
     writer = RecordingWriter(tmp_path / "run.h5", simulation)
-    writer.capture()
     writer.close()
     assert load_frames(tmp_path / "run.h5").meta["outcome"] == "stopped early"
 
@@ -296,10 +305,8 @@ def test_a_path_that_cannot_be_written_is_known_before_the_run(tmp_path: Path) -
 def test_an_older_recording_is_replaced(tmp_path: Path) -> None:
     for steps in (20, 10):
         simulation = crates()
-        with RecordingWriter(tmp_path / "run.h5", simulation) as writer:
-            for _ in range(steps):
-                writer.capture()
-                simulation.advance()
+        with RecordingWriter(tmp_path / "run.h5", simulation, 1):
+            simulation.advance(steps - 1)
     assert len(load_frames(tmp_path / "run.h5")) == 10
 
 
@@ -320,10 +327,10 @@ def test_a_file_that_is_no_recording_is_refused_with_one_sentence(read: Any, tmp
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["x"] = 3
     for name in ("damaged", "newer", "whole"):
-        with RecordingWriter(tmp_path / f"{name}.h5", crates()) as writer:
-            writer.capture()
+        with RecordingWriter(tmp_path / f"{name}.h5", crates()):
+            pass
     with h5py.File(tmp_path / "damaged.h5", "a") as file:
-        del file["frames/positions"], file["initial/positions"]
+        del file["frames/positions"]
     with h5py.File(tmp_path / "newer.h5", "a") as file:
         file.attrs["format_version"] = 99
     whole = (tmp_path / "whole.h5").read_bytes()
@@ -334,7 +341,7 @@ def test_a_file_that_is_no_recording_is_refused_with_one_sentence(read: Any, tmp
         "empty": "is not a recording of stiction: it is no HDF5 file",
         "other": "is not a recording of stiction, but another HDF5 file",
         "damaged": "is damaged: ",
-        "newer": "must have format version 1, got 99",
+        "newer": "must have format version 1 or 2, got 99",
         "half": "cannot be opened: ",
     }
     for name, sentence in expected.items():

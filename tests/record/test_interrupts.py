@@ -7,11 +7,10 @@ import signal
 import threading
 import weakref
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from stiction.record import hdf5
+from stiction.record import writer as writer_module
 from stiction.record.hdf5 import RecordingWriter, load_frames
 from stiction.record.interrupts import interrupts_held
 from stiction.record.run import run
@@ -80,24 +79,24 @@ def test_ctrl_c_in_a_callback_that_swallows_exceptions_ends_the_run_all_the_same
     class Handle:
         pass
 
-    calls = [0]
-    put = hdf5._put
-
-    def freeing_a_handle(target: Any, start: int, values: Any) -> None:
-        calls[0] += 1
-        if calls[0] == 20:
-            handle = Handle()
-            watched = weakref.ref(handle, lambda reference: press_ctrl_c())
-            del handle
-            assert watched() is None
-        put(target, start, values)
-
-    monkeypatch.setattr(hdf5, "_put", freeing_a_handle)
-    monkeypatch.setattr(hdf5, "BUFFERED_FRAMES", 10)
     simulation = Simulation(load("push-and-release"))
+    calls = [0]
     with pytest.raises(KeyboardInterrupt), RecordingWriter(tmp_path / "run.h5", simulation, 2) as writer:
+        hand_over = writer._hand_over
+
+        def freeing_a_handle() -> None:
+            calls[0] += 1
+            if calls[0] == 3:
+                handle = Handle()
+                watched = weakref.ref(handle, lambda reference: press_ctrl_c())
+                del handle
+                assert watched() is None
+            hand_over()
+
+        monkeypatch.setattr(writer_module, "BATCH_STEPS", 10)
+        monkeypatch.setattr(writer, "_hand_over", freeing_a_handle)
         run(simulation, writer=writer)
     assert not simulation.done
     frames = load_frames(tmp_path / "run.h5")
     assert frames.meta["outcome"] == "interrupted"
-    assert len(frames) == 30
+    assert len(frames) == simulation.step_index // 2 + 1

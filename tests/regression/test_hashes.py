@@ -10,30 +10,19 @@ from __future__ import annotations
 import json
 import math
 import os
-import platform
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
-import llvmlite.binding as llvm
 import pytest
 
 import stiction as st
+from stiction.hashing import machine_class
 
 FILE = Path(__file__).with_name("hashes.json")
 REGENERATE = "STICTION_REGENERATE"
 STEPS = 120
-
-
-def machine_class() -> str:
-    """What decides about the last bits: instruction set, fused multiply-add in the C library, the C library itself."""
-    try:
-        libc = os.confstr("CS_GNU_LIBC_VERSION") or ""
-    except (AttributeError, ValueError, OSError):
-        libc = ""
-    fused = "fma" if llvm.get_host_cpu_features().get("fma") else "no fma"
-    return ", ".join([platform.system(), platform.machine(), libc or "other C library", fused])
 
 
 # --- scenes -----------------------------------------------------------------------------------------------------------

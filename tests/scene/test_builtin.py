@@ -54,7 +54,7 @@ def recorded(name: str) -> Run:
     simulation = Simulation(load(name))
     recorder = Recorder(simulation.world, name)
     path = Path(_folder.name) / f"{name}.h5"
-    with _limits_are_told_not_raised(), RecordingWriter(path, simulation, 20) as writer:
+    with _limits_are_told_not_raised(), RecordingWriter(path, simulation, 20, True, precision="full") as writer:
         run(simulation, recorder=recorder, writer=writer)
     return Run(simulation, recorder.frames(), path, simulation.world.state_hash())
 

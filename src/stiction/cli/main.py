@@ -11,8 +11,10 @@ import typer
 from stiction import __version__
 from stiction.cli.bench import bench
 from stiction.cli.console import complain
+from stiction.cli.export import export
 from stiction.cli.materials import materials
 from stiction.cli.plot import plot
+from stiction.cli.replay import replay
 from stiction.cli.run import run
 from stiction.cli.scenes import scenes
 from stiction.cli.sweep import sweep
@@ -28,7 +30,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, plot, scenes, materials, verify, bench, sweep, warmup):
+for command in (run, replay, plot, export, scenes, materials, verify, bench, sweep, warmup):
     app.command()(command)
 
 

@@ -24,7 +24,12 @@ def plot(
     ] = None,
     body: Annotated[list[str] | None, typer.Option(help="Show this body; repeatable.")] = None,
     repeat: Annotated[
-        bool, typer.Option("--repeat", help="Run the scene again, for what the recording lacks: energies, every step.")
+        bool,
+        typer.Option(
+            "--repeat",
+            help="Run the scene again, for what the recording lacks: energies, every step (without "
+            "recorded contacts it is run again in any case).",
+        ),
     ] = False,
     list_: Annotated[bool, typer.Option("--list", help="List the kinds of figures.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print the list as JSON.")] = False,
@@ -56,7 +61,8 @@ def plot(
                 f"figures must not hold {figure.kind.name!r} unless --repeat is given: a recording has no energies; "
                 f"its scene, run again, tells them."
             )
-    if repeat:
+    # most figures are of contacts, which a recording has only where they were asked for
+    if repeat or not track.frames.meta.get("contacts", True):
         from stiction.record.hdf5 import restore
 
         seconds = float(track.frames.times[-1]) if len(track.frames) > 1 else None

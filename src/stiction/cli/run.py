@@ -34,7 +34,13 @@ def run(
         ),
     ] = None,
     body: Annotated[list[str] | None, typer.Option(help="Show this body in figures; repeatable.")] = None,
-    record: Annotated[Path | None, typer.Option(help="Record the run (HDF5).")] = None,
+    record: Annotated[Path | None, typer.Option(help="Record the run (HDF5), to be replayed bit for bit.")] = None,
+    record_contacts: Annotated[
+        bool, typer.Option("--record-contacts", help="Keep contact points in the recording, too.")
+    ] = False,
+    record_full: Annotated[
+        bool, typer.Option("--record-full", help="Keep frames of the recording in float64, not only for the eye.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print the table as JSON.")] = False,
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Change a value of the scene; repeatable.")
@@ -82,7 +88,9 @@ def run(
 
     began = time.perf_counter()
     try:
-        with _writer(record, simulation, every) as writer, progress(simulation.scene.title, json) as on_progress:
+        keep = {"contacts": record_contacts, "precision": "full" if record_full else "display"}
+        title = simulation.scene.title
+        with _writer(record, simulation, keep) as writer, progress(title, json) as on_progress:
             run_simulation(simulation, recorder=recorder, writer=writer, on_progress=on_progress)
     except KeyboardInterrupt:
         kept = f"; what was recorded until then is in {record}" if record else ""
@@ -111,13 +119,13 @@ def run(
 
 
 @contextmanager
-def _writer(path: Path | None, simulation: Simulation, every: int) -> Iterator[Any]:
+def _writer(path: Path | None, simulation: Simulation, keep: dict[str, Any]) -> Iterator[Any]:
     if path is None:
         yield None
         return
-    from stiction.record.hdf5 import RecordingWriter
+    from stiction.record.writer import RecordingWriter
 
-    with RecordingWriter(path, simulation, every) as writer:
+    with RecordingWriter(path, simulation, **keep) as writer:
         yield writer
 
 

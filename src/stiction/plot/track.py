@@ -125,15 +125,20 @@ def observe(
 
 
 def from_recording(path: str | Path) -> Track:
-    """The track that a recording holds: no energies, and as many frames as it has.
+    """The track that a recording holds: no energies, as many frames as it has, and contacts where they were recorded.
 
     Raises:
         InvalidInputError: there is no such file, or it is no recording.
     """
     from stiction.record.hdf5 import load_frames
+    from stiction.record.recording import Recording
 
     frames = load_frames(path)
-    world = Scene.from_dict(frames.meta["scene"], str(frames.meta["scene_name"])).build()
+    if "scene" in frames.meta:
+        world = Scene.from_dict(frames.meta["scene"], str(frames.meta["scene_name"])).build()
+    else:
+        with Recording.open(path) as recording:
+            world = recording.world(0)
     return Track(frames, world.materials.pair, world.gravity)
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from stiction.body import Body
 from stiction.record.frames import BodyInfo
 from stiction.scene.model import ShapeTable
 from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
@@ -33,6 +34,11 @@ def shape_from_dict(data: dict[str, Any]) -> Shape:
     """The shape that :func:`shape_to_dict` wrote; ValueError for anything else."""
     shape: Shape = _SHAPES.validate_python(data).build()
     return shape
+
+
+def info_of(body: Body) -> BodyInfo:
+    """What does not change about a body."""
+    return BodyInfo(body.name, body.shape, body.material, body.mass, body.mobility != "dynamic")
 
 
 def info_to_dict(info: BodyInfo) -> dict[str, Any]:

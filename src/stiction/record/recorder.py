@@ -11,14 +11,16 @@ from numpy.typing import NDArray
 from stiction import checks
 from stiction._version import __version__
 from stiction.errors import InvalidInputError
+from stiction.hashing import PARTS
 from stiction.motion import Motion
+from stiction.record.bodies import info_of
 from stiction.record.classify import classify, fixed_bodies
 from stiction.record.frames import CONTACT_DTYPE, BodyInfo, Frames
 from stiction.world import World
 
 Array = NDArray[np.float64]
 
-WIDTHS = {"positions": 3, "orientations": 4, "velocities": 3, "angular_velocities": 3}
+WIDTHS = {name: part.stop - part.start for name, part in PARTS.items()}
 """Numbers a body of the arrays of a frame; the names are those of the world's arrays as well."""
 
 
@@ -61,7 +63,7 @@ def capture(
 
 def body_infos(world: World) -> list[BodyInfo]:
     """What does not change about the bodies of a world."""
-    return [BodyInfo(b.name, b.shape, b.material, b.mass, b.mobility != "dynamic") for b in world]
+    return [info_of(body) for body in world]
 
 
 def gather(frames: Sequence[Frame], n: int) -> dict[str, NDArray[Any]]:

@@ -18,7 +18,7 @@ from stiction.scene import Simulation
 from stiction.shapes import describe
 
 if TYPE_CHECKING:
-    from stiction.record.hdf5 import RecordingWriter
+    from stiction.record.writer import RecordingWriter
 
 Array = NDArray[np.float64]
 Progress = Callable[[int, int], None]
@@ -72,14 +72,14 @@ def run(
 ) -> RunResult:
     """Take a simulation to its end from wherever it is.
 
-    Frames are kept at the steps that recorder and writer ask for, and at the end. What goes wrong on the way is raised
-    again after the writer's file has been closed, with all frames up to there; the simulation can be looked at, and
-    after Ctrl-C also be run further.
+    Frames are kept at the steps that the recorder asks for, and at the end; a writer notes every step by itself. What
+    goes wrong on the way is raised again after the writer's file has been closed, with all steps up to there; the
+    simulation can be looked at, and after Ctrl-C also be run further.
 
     Args:
         simulation: what to run.
         recorder: keeps frames in memory.
-        writer: writes frames to a file. At the end of the run all are written, and the file is still open.
+        writer: of a recording of the simulation. At the end of the run all is written, and the file is still open.
         on_progress: called with the steps taken and the steps there are, after every chunk.
         chunk: steps from one report to the next at most; a hundredth of the run if left out.
 
@@ -90,7 +90,7 @@ def run(
     """
     total = simulation.total_steps
     chunk = max(1, total // REPORTS) if chunk is None else checks.integer("chunk", chunk, minimum=1)
-    capturers: list[Capturer] = [one for one in (recorder, writer) if one is not None]
+    capturers: list[Capturer] = [] if recorder is None else [recorder]
     began, first = time.perf_counter(), simulation.step_index
     start = simulation.world.positions.copy()
     try:
@@ -108,7 +108,7 @@ def run(
             writer.flush()
     except (KeyboardInterrupt, SimulationError) as error:
         if writer is not None:
-            from stiction.record.hdf5 import outcome_of
+            from stiction.record.writer import outcome_of
 
             writer.close(outcome_of(error))
         raise

@@ -1,0 +1,108 @@
+"""The thread that writes a recording, so that the simulation need not wait for it."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.record.file_writer import Batch, FileWriter
+
+Array = NDArray[np.float64]
+
+WAITING = 8
+"""Batches that may wait; when there are more, the simulation does."""
+COMMIT_SECONDS = 0.5
+"""Full pieces are written after that time."""
+PARTIAL_SECONDS = 1.0
+"""Pieces that are not full, too, are written after that time: no more than that is lost when a process is killed."""
+
+
+class Worker:
+    """Feeds a file from a thread of its own, until :meth:`close`."""
+
+    def __init__(self, file: FileWriter) -> None:
+        self._file = file
+        self._queue: queue.Queue[Batch | threading.Event | None] = queue.Queue(WAITING)
+        self._failure: BaseException | None = None
+        self._free: deque[Array] = deque(maxlen=WAITING)
+        self._thread = threading.Thread(target=self._run, name="stiction recording", daemon=True)
+        self._thread.start()
+
+    def put(self, batch: Batch) -> None:
+        """Hand over a batch.
+
+        Raises:
+            OutputError: what was handed over before could not be written.
+        """
+        self._raise()
+        self._queue.put(batch)
+
+    def room(self, shape: tuple[int, ...]) -> Array:
+        """Memory for the states of a batch: that of one that has been written, which is faster than new memory."""
+        while self._free:
+            room = self._free.popleft()
+            if room.shape == shape:
+                return room
+        return np.empty(shape)
+
+    def flush(self) -> None:
+        """Wait until all that was handed over is in the file.
+
+        Raises:
+            OutputError: it could not be written.
+        """
+        done = threading.Event()
+        self._queue.put(done)
+        done.wait()
+        self._raise()
+
+    def close(self, outcome: str) -> None:
+        """Write everything and how it ended, and end the thread.
+
+        Raises:
+            OutputError: something could not be written.
+        """
+        self._queue.put(None)
+        self._thread.join()
+        self._file.close(outcome)
+        self._raise()
+
+    def _raise(self) -> None:
+        if self._failure is not None:
+            raise self._failure
+
+    def _run(self) -> None:
+        committed = full = time.monotonic()
+        pending = False
+        while True:
+            try:
+                one = self._queue.get(timeout=PARTIAL_SECONDS if pending else None)
+            except queue.Empty:
+                one = threading.Event()  # nothing comes: write what is there, as if somebody had asked
+            if one is None:
+                return
+            try:
+                if self._failure is not None:
+                    pass  # the file takes no more
+                elif isinstance(one, Batch):
+                    self._file.process(one)
+                    if one.room is not None:
+                        self._free.append(one.room)
+                    pending, now = True, time.monotonic()
+                    if now - committed > COMMIT_SECONDS:
+                        partial = now - full > PARTIAL_SECONDS
+                        self._file.commit(partial)
+                        committed, full = now, now if partial else full
+                else:
+                    self._file.commit(partial=True)
+                    pending, committed = False, time.monotonic()
+                    full = committed
+            except BaseException as error:
+                self._failure = error
+            if isinstance(one, threading.Event):
+                one.set()

@@ -1,0 +1,237 @@
+"""Recordings in parts: bodies, times, contacts; while they are written, after a kill, and those of earlier versions."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import stiction as st
+from stiction import InvalidInputError, OutputError
+from stiction.record.file_writer import FileWriter
+from stiction.record.hdf5 import load_frames, restore
+from stiction.record.recorder import Recorder
+
+from .worlds import tower
+
+VERSION_1 = Path(__file__).parent / "data" / "version-1.h5"
+"""The first 0.2 s of push-and-release, every fifth step, as the version before wrote them."""
+VERSION_1_END = "push-and-release", ["duration=0.2"]
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """100 steps, every fifth one a frame; one body comes at step 30, another goes at step 60."""
+    path = tmp_path_factory.mktemp("recording") / "run.h5"
+    world = tower()
+    with world.record(path, every=5, contacts=True, title="a tower", precision="full"):
+        world.step(30)
+        world.add(st.Sphere(0.3), position=(5, 5, 3), name="late")
+        world.step(30)
+        world.remove(world["box 1"])
+        world.step(40)
+    return path
+
+
+def test_parts_of_a_recording_are_those_of_the_whole(path: Path) -> None:
+    with st.Recording.open(path) as recording:
+        frames = recording.frames()
+        assert [body.name for body in recording.bodies] == ["plane 0", "box 1", "box 2", "box 3", "box 4", "late"]
+        assert recording.times.tolist() == pytest.approx([k / 12 for k in range(21)])
+        assert len(recording) == len(frames) == 21
+        for name in ("positions", "orientations", "velocities", "angular_velocities"):
+            read, whole = getattr(recording, name), getattr(frames, name)
+            np.testing.assert_array_equal(read(), whole)
+            np.testing.assert_array_equal(read("box 3"), whole[:, 3])
+            np.testing.assert_array_equal(read(3), whole[:, 3])
+            np.testing.assert_array_equal(read(start=0.5), whole[6:])
+            np.testing.assert_array_equal(read("late", 0.5, 0.75), whole[6:10, 5])
+            assert read(stop=-1.0).shape[0] == 0
+        part = recording.frames(0.5, 0.75)
+        np.testing.assert_array_equal(part.positions, frames.positions[6:10])
+        for k in range(4):
+            np.testing.assert_array_equal(part.contacts_of(k), frames.contacts_of(6 + k))
+
+
+def test_where_a_body_is_not_there_frames_have_no_numbers(path: Path) -> None:
+    with st.Recording.open(path) as recording:
+        there = np.isfinite(recording.positions()).all(axis=2)
+    # the step at which a body comes or goes was noted before it did
+    assert there[:, 5].tolist() == [False] * 7 + [True] * 14
+    assert there[:, 1].tolist() == [True] * 13 + [False] * 8
+    assert there[:, [0, 2, 3, 4]].all()
+
+
+def test_contacts_are_read_at_frames_and_found_again_between_them(path: Path) -> None:
+    world = tower()
+    world.step(20)
+    with st.Recording.open(path) as recording:
+        np.testing.assert_array_equal(recording.contacts(20), world.contacts())
+        world.step(3)
+        np.testing.assert_array_equal(recording.contacts(23), world.contacts())
+        after = recording.contacts(99)
+        assert 1 not in after["body_b"] and after["body_b"].max() >= 4, "bodies go by their place in the recording"
+        with pytest.raises(InvalidInputError, match=r"^step must be 0 to 100, the steps of the recording, got 101\.$"):
+            recording.contacts(101)
+
+
+def test_energies_are_those_of_the_world(tmp_path: Path) -> None:
+    world = tower()
+    expected = [world.energy()]
+    with world.record(tmp_path / "run.h5", every=10):
+        for _ in range(4):
+            world.step(10)
+            expected.append(world.energy())
+    with st.Recording.open(tmp_path / "run.h5") as recording:
+        rows = recording.energies
+        assert [st.Energy(*row) for row in rows.tolist()] == expected
+        assert rows.dtype.names == st.Energy._fields
+        assert len(recording.hashes) == 41
+
+
+def test_a_body_or_time_that_is_not_there_is_refused(path: Path) -> None:
+    with st.Recording.open(path) as recording:
+        with pytest.raises(InvalidInputError, match=r"^no body is called 'box 33' \(did you mean 'box 3'\?\)\.$"):
+            recording.positions("box 33")
+        with pytest.raises(InvalidInputError, match=r"^body must be a name or 0 to 5, got 6\.$"):
+            recording.positions(6)
+        with pytest.raises(InvalidInputError, match=r"^start must be a finite number"):
+            recording.positions(start=float("nan"))
+        assert "a tower" in repr(recording)
+    recording.close()  # again
+
+
+def test_a_recording_is_read_while_it_is_written(tmp_path: Path) -> None:
+    world = tower()
+    with world.record(tmp_path / "run.h5", every=2) as writer, st.Recording.open(tmp_path / "run.h5") as reader:
+        assert (len(reader), reader.outcome) == (1, "not closed")
+        world.step(20)
+        world.add(st.Sphere(0.3), position=(5, 5, 3), name="late")
+        world.step(20)
+        writer.flush()
+        assert len(reader) == 1, "what was read stays as it is until it is asked for"
+        reader.refresh()
+        assert (len(reader), reader.last_step, reader.bodies[-1].name) == (21, 40, "late")
+        np.testing.assert_allclose(reader.positions("box 2")[-1], world["box 2"].position, rtol=1e-6, atol=1e-30)
+        assert reader.check().same
+
+
+KILLED = """
+import sys
+from tests_worlds import tower
+world = tower()
+with world.record(sys.argv[1], every=2) as writer:
+    world.step(100)
+    writer.flush()
+    print(world.steps, flush=True)
+    while True:  # until it is killed, somewhere
+        world.step()
+        if world.steps == 150:
+            world["box 4"].velocity = (0, 0, 5)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="only there can a process be killed without a word")
+def test_after_a_kill_all_that_was_flushed_opens_and_its_hashes_hold(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    (tmp_path / "tests_worlds.py").write_text((Path(__file__).parent / "worlds.py").read_text())
+    folders = [str(tmp_path), str(Path(st.__file__).parents[1])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(folders)}
+    command = [sys.executable, "-c", KILLED, str(path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        assert process.stdout is not None
+        flushed = int(process.stdout.readline())
+        with st.Recording.open(path) as recording:
+            while recording.last_step < 400:  # while it is being written
+                time.sleep(0.02)
+                recording.refresh()
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+    assert process.returncode == -signal.SIGKILL
+    with st.Recording.open(path) as recording:
+        assert recording.last_step >= 400 > flushed == 100
+        assert recording.outcome == "not closed"
+        assert np.isfinite(recording.positions()).all()
+        assert len(recording) > 100
+        assert recording.check(stop=400 / 60).same
+        assert recording.check(start=(recording.last_step - 5) / 60).same
+    size = path.stat().st_size
+    cut = tmp_path / "cut.h5"
+    cut.write_bytes(path.read_bytes()[: size // 2])
+    with pytest.raises(InvalidInputError, match=r"cut\.h5' cannot be opened: it is cut off, .*\.$"):
+        st.Recording.open(cut)
+
+
+def test_a_disk_that_takes_no_more_is_told_in_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    world = tower()
+    writer = world.record(tmp_path / "run.h5")
+    world.step(10)
+    monkeypatch.setattr(FileWriter, "process", lambda *_: (_ for _ in ()).throw(OutputError("the disk is full.")))
+    with pytest.raises(OutputError, match="the disk is full"):
+        writer.flush()
+    with pytest.raises(OutputError, match="the disk is full"):
+        writer.close()
+    world.step()
+    monkeypatch.undo()
+    with world.record(tmp_path / "other.h5"):
+        world.step()
+    with st.Recording.open(tmp_path / "run.h5") as recording:
+        assert len(recording) == 1
+
+
+# --- earlier versions -------------------------------------------------------------------------------------------------
+
+
+def test_a_recording_of_the_version_before_still_opens() -> None:
+    from stiction.scene import Simulation, load
+
+    simulation = Simulation(load(*VERSION_1_END))
+    recorder = Recorder(simulation.world, simulation.scene.title, every=5)
+    recorder.capture()
+    while not simulation.done:
+        simulation.advance()
+        recorder.capture()
+    memory, file = recorder.frames(), load_frames(VERSION_1)
+    assert (file.title, file.dt, file.bodies) == (memory.title, memory.dt, memory.bodies)
+    np.testing.assert_array_equal(file.times, memory.times)
+    np.testing.assert_allclose(file.positions, memory.positions, atol=1e-3)
+    np.testing.assert_array_equal(file.motion, memory.motion)
+    assert file.meta["outcome"] == "complete"
+    with st.Recording.open(VERSION_1) as recording:
+        assert (recording.format_version, recording.last_step, recording.precision) == (1, 40, "full")
+        np.testing.assert_array_equal(recording.positions(2), file.positions[:, 2])
+        np.testing.assert_array_equal(recording.contacts(20), file.contacts_of(4))
+        assert recording.world(20).steps == 20
+        with pytest.raises(InvalidInputError, match="has no energies, for it is of format version 1"):
+            _ = recording.energies
+    assert restore(VERSION_1).world.positions.tolist() == file.positions[0].tolist()
+
+
+def test_a_recording_of_the_version_before_can_be_compared_frame_by_frame(tmp_path: Path) -> None:
+    """Whether its physics is still ours is not the question here, so the frames are made by what runs now."""
+    path = tmp_path / "run.h5"
+    path.write_bytes(VERSION_1.read_bytes())
+    simulation = restore(path)
+    with h5py.File(path, "r+") as file:
+        for k in range(9):
+            for name in ("positions", "orientations", "velocities", "angular_velocities"):
+                file[f"frames/{name}"][k] = getattr(simulation.world, name)
+            if k < 8:
+                simulation.advance(5)
+    with st.Recording.open(path) as recording:
+        result = recording.check()
+        assert result.same
+        assert "frames were compared" in result.notes[0]
+    with h5py.File(path, "r+") as file:
+        file["frames/positions"][6, 2, 0] += 0.5
+    with st.Recording.open(path) as recording:
+        result = recording.check()
+        assert (result.differs_at, result.bodies[0].name) == (30, recording.bodies[2].name)
+        assert result.bodies[0].position == pytest.approx(0.5)
