@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 import warnings
 from typing import TYPE_CHECKING, Any
@@ -11,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction import checks
-from stiction.body import Body
-from stiction.contacts import CONTACT_DTYPE
 from stiction.errors import IterationLimitWarning, NotYetError
 from stiction.reports import Energy, SolverReport
 
@@ -37,33 +34,6 @@ class Accounts:
 
         def step(self, n: int = 1) -> None:
             """Take steps."""
-
-        def _own(self, name: str, body: Any) -> None: ...
-
-    def contacts(self, body: Body | None = None) -> NDArray[Any]:
-        """Contact points of the last step, one row each (see :data:`stiction.contacts.CONTACT_DTYPE`), a copy.
-
-        Args:
-            body: only those of this body.
-        """
-        if body is not None:
-            self._own("body", body)
-        state, store = self._state, self._store
-        store.collect_contacts()
-        numbers, tags = store.contacts[: store.m], store.tags[: store.m]
-        keep = (numbers[:, state.TOTAL] > 0.0) | (numbers[:, state.SEPARATION] <= 1e-5)
-        if body is not None:
-            keep &= (tags[:, state.BODY_A] == body.index) | (tags[:, state.BODY_B] == body.index)
-        numbers, tags = numbers[keep], tags[keep]
-        rows = np.zeros(len(numbers), CONTACT_DTYPE)
-        rows["body_a"], rows["body_b"] = tags[:, state.BODY_A], tags[:, state.BODY_B]
-        rows["point"] = numbers[:, state.POINT : state.POINT + 3]
-        rows["normal"] = numbers[:, state.NORMAL : state.NORMAL + 3]
-        rows["separation"] = numbers[:, state.SEPARATION]
-        rows["normal_impulse"] = numbers[:, state.TOTAL]
-        rows["friction_impulse"] = numbers[:, state.TOTAL_FRICTION : state.TOTAL_FRICTION + 3]
-        rows["sticking"] = (numbers[:, state.TOTAL] > 0.0) & (tags[:, state.STATUS] & state.SLIDING != state.SLIDING)
-        return rows
 
     def energy(self) -> Energy:
         """The ledger of energy, J."""
@@ -130,14 +100,6 @@ class Accounts:
         self._store.reset_profile()
         self.step(count)
         return {stage: 1e3 * seconds / count for stage, seconds in self._store.profile().items()}
-
-    def state_hash(self) -> str:
-        """A hash of time, positions, orientations and velocities of all bodies, bit for bit."""
-        state = self._state
-        digest = hashlib.blake2b(str(self._store.steps).encode(), digest_size=16)
-        for column, width in ((state.POSITION, 3), (state.ORIENTATION, 4), (state.V, 3), (state.W, 3)):
-            digest.update(np.ascontiguousarray(self._store.column(column, width)).tobytes())
-        return digest.hexdigest()
 
     def _warn_of_limit(self) -> None:
         self._warned = True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import hashlib
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -13,6 +14,7 @@ from stiction import checks
 from stiction.accounts import Accounts
 from stiction.body import Body
 from stiction.body_rows import check_mobility, code_and_size, mass_columns
+from stiction.contacts import CONTACT_DTYPE
 from stiction.errors import InvalidInputError, NotYetError, SimulationError
 from stiction.events import ContactEvents, EventLog
 from stiction.materials import MaterialTable
@@ -381,6 +383,31 @@ class World(Queries, Accounts):
 
     # --- what happened ------------------------------------------------------------------------------------------------
 
+    def contacts(self, body: Body | None = None) -> NDArray[Any]:
+        """Contact points of the last step, one row each (see :data:`stiction.contacts.CONTACT_DTYPE`), a copy.
+
+        Args:
+            body: only those of this body.
+        """
+        if body is not None:
+            self._own("body", body)
+        state, store = self._state, self._store
+        store.collect_contacts()
+        numbers, tags = store.contacts[: store.m], store.tags[: store.m]
+        keep = (numbers[:, state.TOTAL] > 0.0) | (numbers[:, state.SEPARATION] <= 1e-5)
+        if body is not None:
+            keep &= (tags[:, state.BODY_A] == body.index) | (tags[:, state.BODY_B] == body.index)
+        numbers, tags = numbers[keep], tags[keep]
+        rows = np.zeros(len(numbers), CONTACT_DTYPE)
+        rows["body_a"], rows["body_b"] = tags[:, state.BODY_A], tags[:, state.BODY_B]
+        rows["point"] = numbers[:, state.POINT : state.POINT + 3]
+        rows["normal"] = numbers[:, state.NORMAL : state.NORMAL + 3]
+        rows["separation"] = numbers[:, state.SEPARATION]
+        rows["normal_impulse"] = numbers[:, state.TOTAL]
+        rows["friction_impulse"] = numbers[:, state.TOTAL_FRICTION : state.TOTAL_FRICTION + 3]
+        rows["sticking"] = (numbers[:, state.TOTAL] > 0.0) & (tags[:, state.STATUS] & state.SLIDING != state.SLIDING)
+        return rows
+
     @property
     def record_events(self) -> bool:
         """Whether steps record which contacts begin and end, for :meth:`contact_events`.
@@ -411,6 +438,13 @@ class World(Queries, Accounts):
                 "record_events must be set to True before the steps whose contact events are asked for."
             )
         return self._events.events(self._store.kinds[: len(self), self._state.SENSOR] != 0)
+
+    def state_hash(self) -> str:
+        """A hash of time, positions, orientations and velocities of all bodies, bit for bit."""
+        digest = hashlib.blake2b(str(self.steps).encode(), digest_size=16)
+        for array in (self.positions, self.orientations, self.velocities, self.angular_velocities):
+            digest.update(np.ascontiguousarray(array).tobytes())
+        return digest.hexdigest()
 
     # --- inside -------------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from stiction import verify
 SOLVERS = ("soft", "micro")
 CASES = {case.name: case for case in verify.all_cases()}
 LIMITS = [(solver, name) for name, case in sorted(CASES.items()) for solver in sorted(case.known_limit)]
-STEPS = {"soft": (1 / 60,), "micro": (1 / 60, 1 / 240), "exact": (1 / 240,)}
+STEPS = {"soft": (1 / 60,), "micro": (1 / 60, 1 / 240)}
 """Time steps of the suite, s. ``stiction verify --dt 0.004166`` has the finer ones of ``soft``."""
 
 LARGEST = {

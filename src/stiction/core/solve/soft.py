@@ -337,7 +337,8 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
             unit = unit_of(limit, stick)
             # the problem divided by the limit: A = F, so numbers stay near one whatever the masses
             g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, ~inside)
-            stick = choose3(inside, stick, g * limit)
+            # without a load there is no friction, and no g
+            stick = choose3(inside, stick, choose3(limit > 0.0, g * limit, pull - pull))
         if cold or sweep > 0:
             stick = choose3(going, stick, pull)
         df = real_force(blocks, o, stick - pull, laws)
