@@ -105,7 +105,7 @@ def _draw() -> None:
         found = exact.friction_about(exact.even_face(polygon), middle, twists)
         right.plot(found[:, :2] @ patch.axes[:, direction], found[:, 2] / patch.torque, color=look.EXACT, lw=6)
         dense = exact.directions(40_000)
-        g = np.stack(onto_surface(Vec3(*dense.T), patch.surface), axis=1)
+        g = np.array([onto_surface(Vec3(*way), patch.surface) for way in dense])
         push = np.zeros_like(twists)
         push[:, direction], push[:, 2] = np.cos(angle), np.sin(angle)
         best = g[(push @ g.T).argmax(axis=1)]

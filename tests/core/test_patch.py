@@ -49,7 +49,13 @@ LOPSIDED = [
     (0.05, 0.05, 0.3, 0.0),
 ]
 """Of the pressure along u and v, and of an even load; 9 is beyond all limits."""
-SHAPES = [(q, t, *lop) for q in np.linspace(0.0, 1.0, 6) for t in (0.0, 0.4, 1.0) for lop in LOPSIDED]
+SHAPES = [
+    (q, t, roundness, *lop)
+    for q in np.linspace(0.0, 1.0, 6)
+    for t in (0.0, 0.4, 1.0)
+    for roundness in sorted({0.0, q * (1.0 - t)})
+    for lop in LOPSIDED
+]
 """Arguments of lopsided_surface."""
 
 
@@ -142,7 +148,7 @@ class Problems:
             K = J @ np.diag([*[1 / mass] * 3, *(1 / inertia)]) @ J.T
             D = np.diag([1.0, 1.0, Tm])
             F = D @ K @ D + (np.diag([0.0, 0.0, 1.0]) if point else 0.0)
-            surface = lopsided_surface(float(q), rng.uniform(0.0, 1.0), *rng.normal(size=2), *rng.normal(size=2))
+            surface = lopsided_surface(float(q), rng.uniform(0.0, 1.0), 0.0, *rng.normal(size=2), *rng.normal(size=2))
             # the problem divided by the limit; the slip that friction meets is one to a thousand times what it can take
             stick = np.exp(rng.uniform(0.0, 6.9)) * random_unit(rng) * [1.0, 1.0, not point]
             if level(Vec3(*stick), surface) <= 1.0:

@@ -60,6 +60,12 @@ FORGOTTEN = 0.5
 """Of the smaller body's reach: after so much motion the last direction of a pair is no hint any more."""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
+FLAT = 1e-4
+"""Of the size of a face: points whose separations differ by less are equally far."""
+UNKNOWN = -1.0
+"""What PLACED says of a manifold that was not there in the step before, or had other points."""
+TOUCHED = 1e-6
+"""m, half of a gap that makes no difference to where friction acts."""
 PULL_BACK = 0.1
 """Of the way that a face that sticks has crept, in a step."""
 CREEP = 0.002
@@ -161,9 +167,7 @@ def take_points(
     if found > 2:
         reports[row, s.HELD] = 0.0
     elif not same:
-        put_vec3(reports, row, s.HERE_A, center - xa)
-        put_vec3(reports, row, s.HERE_B, center - xb)
-        meta[row, s.PLACED] = -1.0
+        meta[row, s.PLACED] = UNKNOWN
     old_center = xa + Ra @ vec3(meta, row, s.ANCHOR_A)
     old_u = Ra @ vec3(manifolds, row, s.TANGENT_A)
     old_v = cross(Ra @ vec3(manifolds, row, s.NORMAL_A), old_u)
@@ -239,6 +243,7 @@ def take_points(
     manifolds[row, s.LOAD], manifolds[row, s.LOAD + 1] = l0, l1
     manifolds[row, s.LOAD + 2], manifolds[row, s.LOAD + 3] = l2, l3
     meta[row, s.POINTS] = found
+    meta[row, s.RISE] = rise_of(contacts, found, center, n, spread2)
     smaller = smaller_reach(pose, kinds, a, b)
     meta[row, s.LIMIT] = min(KEPT, KEPT_PART * smaller) if found >= 3 else min(STILL, STILL_PART * smaller)
     put_vec3(manifolds, row, s.NORMAL_A, transpose(Ra) @ n)
@@ -264,6 +269,21 @@ def take_points(
         manifolds[row, s.LEFT] = 0.0
         manifolds[row, s.ROLL] = manifolds[row, s.ROLL + 1] = 0.0
         put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
+
+
+@jit
+def rise_of(contacts, found, center, n, spread2):
+    """By how much points lie higher along n where the bodies are further apart there: half, or minus half, by whose
+    side is the even one; 0 where both lie flat on each other."""
+    mean = 0.0
+    for k in range(found):
+        mean += contacts[k, SEPARATION] / found
+    mixed, wide = 0.0, 0.0
+    for k in range(found):
+        apart = contacts[k, SEPARATION] - mean
+        mixed += apart * dot(vec3(contacts, k, POINT) - center, n)
+        wide += apart * apart
+    return mixed / wide if wide > found * FLAT * FLAT * spread2 else 0.0
 
 
 @jit
@@ -303,17 +323,21 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, d
     """
     ra = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_A)
     rb = mat33(pose, b + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_B)
+    up, half = load_along_normal(manifolds, meta, pose, a, row)
+    # the surfaces where they will touch, and where the load is
+    arm_a, arm_b = ra - half, rb + half
     if meta[row, s.POINTS] <= 2.0:
         moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
         if moved != meta[row, s.PLACED]:  # a step may be begun twice
+            fresh = meta[row, s.PLACED] == UNKNOWN
             meta[row, s.PLACED] = moved
             # where a turntable is in the middle is told by how its velocity drifts, below
-            ahead_a, ahead_b = go_on(reports, row, s.HERE_A, ra), go_on(reports, row, s.HERE_B, rb)
-            put_vec3(manifolds, row, s.ARM_A, ra if kinds[a, MOBILITY] == KINEMATIC else ra + ahead_a)
-            put_vec3(manifolds, row, s.ARM_B, rb if kinds[b, MOBILITY] == KINEMATIC else rb + ahead_b)
+            ahead_a, ahead_b = go_on(reports, row, s.HERE_A, arm_a, fresh), go_on(reports, row, s.HERE_B, arm_b, fresh)
+            put_vec3(manifolds, row, s.ARM_A, up + (arm_a if kinds[a, MOBILITY] == KINEMATIC else arm_a + ahead_a))
+            put_vec3(manifolds, row, s.ARM_B, up + (arm_b if kinds[b, MOBILITY] == KINEMATIC else arm_b + ahead_b))
     else:
-        put_vec3(manifolds, row, s.ARM_A, ra)
-        put_vec3(manifolds, row, s.ARM_B, rb)
+        put_vec3(manifolds, row, s.ARM_A, up + arm_a)
+        put_vec3(manifolds, row, s.ARM_B, up + arm_b)
     put_vec3(manifolds, row, s.SHIFT, (vec3(pose, b + 1, s.POSE_X) + rb) - (vec3(pose, a + 1, s.POSE_X) + ra))
     if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
         put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
@@ -325,6 +349,29 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, d
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)
         n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
         manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
+
+
+@jit
+def load_along_normal(manifolds, meta, pose, a, row):
+    """From the anchor along the normal to where the load is, and half of what gap there still is, world, m.
+
+    The anchor is half way between the bodies, and half way to points that are only near. But a card that leans on its
+    edge has friction at the edge; and bodies that will have met by then rub at their own surfaces, not half way over
+    the gap that is still between them when the step begins.
+    """
+    points = int(meta[row, s.POINTS])
+    load, loaded, mean, nearest = 0.0, 0.0, 0.0, manifolds[row, s.GAP] * 1.0
+    for k in range(points):
+        load += manifolds[row, s.LOAD + k]
+        loaded += manifolds[row, s.LOAD + k] * manifolds[row, s.GAP + k]
+        mean += manifolds[row, s.GAP + k] / points
+        nearest = min(nearest, manifolds[row, s.GAP + k] * 1.0)
+    rise = meta[row, s.RISE] * (loaded / load - mean) if load > 0.0 else 0.0
+    half = 0.5 * max(nearest, 0.0)
+    if rise == 0.0 and half < TOUCHED:
+        return Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
+    n = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
+    return n * rise, n * half
 
 
 @jit
@@ -355,13 +402,13 @@ def keep_place(manifolds, meta, reports, row, Ra, dt):
 
 
 @jit
-def go_on(reports, row, column, arm):
+def go_on(reports, row, column, arm, fresh):
     """Half of what the arm has changed by since the step before, world, m; keeps it for the next step."""
     old = vec3(reports, row, column)
     put_vec3(reports, row, column, arm)
     # in the precision of what was kept: at rest it is exactly zero
     way = vec3(reports, row, column) - old
-    return way * (0.5 if dot(way, way) < LEAP * LEAP * dot(arm, arm) else 0.0)
+    return way * (0.5 if not fresh and dot(way, way) < LEAP * LEAP * dot(arm, arm) else 0.0)
 
 
 @jit

@@ -61,14 +61,14 @@ PLACE, HELD = HERE_A, HERE_B
 OLD, NEW, QUIET = 0.0, 1.0, 2.0
 """What FRESH says of a manifold: made before this step; in it; in it, and its bodies hardly move against each other."""
 
-(SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, SIZE2, RESTITUTION, META_WIDTH) = _starts(
-    1, 1, 1, 1, 4, 3, 3, 1, 1, 1
+(SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, SIZE2, RESTITUTION, RISE, META_WIDTH) = _starts(
+    1, 1, 1, 1, 4, 3, 3, 1, 1, 1, 1
 )
 """Columns of what a manifold keeps in float64: how far both bodies had moved when it was made, m; the margin it was
 looked for with, m; how far they may move until it is made anew, m; how many points and their features (whole numbers);
 the anchor in the axes of a and of b, from their centres of mass, m; how far both bodies had moved when the arms were
 computed last, m; mean square distance of the points from the anchor, m^2;
-the pair's coefficient of restitution."""
+the pair's coefficient of restitution; by how much points lie higher along the normal where they are further apart."""
 
 # --- blocks: (blocks x FIELDS, 8) -------------------------------------------------------------------------------------
 

@@ -35,8 +35,11 @@ ELLIPSE = 0.3865
 ELLIPSE_AREA = 25.13274
 ROUND_F = 14.48 + 0.115 * ELLIPSE
 """f in the middle of an ellipse, where 16 C = W."""
-CAP_A, CAP_B = 0.89, 0.529
-"""Coefficients of an even round cap."""
+SQUARE_A, SQUARE_B = 0.89, 0.529
+"""Coefficients of an evenly loaded square, ..."""
+CAP_A, CAP_B = 0.973, 0.495
+"""... and of a round cap: of all that give a disc its last ratio of sliding to spinning, 0.653, those that have the
+dissipation best, within 0.16 % (root mean square)."""
 TINY = 1e-30
 THINNEST = 1e-16
 """Determinant of M^-1 over the square of its trace: of a strip 10^8 times as long as wide."""
@@ -292,22 +295,25 @@ def pressed(seen, even, is_round):
     ev = sqrt(Mv) * (seen.mv * pc - seen.mu * ps)
     ku, kv = calm * (turn.c * even.u + turn.s * even.v), calm * (turn.c * even.v - turn.s * even.u)
     ku, kv = select(is_round, zero, ku), select(is_round, zero, kv)
-    return Pressed(turn, torque, lopsided_surface(q, t, eu, ev, ku, kv))
+    roundness = q * calm * greatest(j, 0.0) * (1.0 / ELLIPSE)
+    return Pressed(turn, torque, lopsided_surface(q, t, roundness, eu, ev, ku, kv))
 
 
 @jit
-def lopsided_surface(q, t, eu, ev, ku, kv):
-    """The surface's coefficients by q = sqrt(M_v / M_u) <= 1, t, and how lopsided the pressure is along u and v.
+def lopsided_surface(q, t, roundness, eu, ev, ku, kv):
+    """The surface's coefficients by q = sqrt(M_v / M_u) <= 1, t, ``roundness`` (0 of a square, 1 of a cap), and how
+    lopsided the pressure is along u and v.
 
     The last two terms are kept so small that the surface is convex and every ray meets it once.
     """
     w = 1.0 - q
-    a, b = CAP_A - 0.085 * t, CAP_B - 0.115 * t
-    au = a + w * (-2.437 + 1.339 * w)
-    am = 2.0 * a + w * (-1.297 - 0.837 * w + 1.416 * t)
-    av = a + w * (2.47 - 0.735 * w - 0.944 * t)
-    bu = b + w * (-0.419 - 0.547 * w + 0.287 * t)
-    bv = b + 0.036 * w
+    a = SQUARE_A - 0.085 * t + (CAP_A - SQUARE_A) * roundness
+    b = SQUARE_B - 0.115 * t + (CAP_B - SQUARE_B) * roundness
+    au = a + w * (-2.586 + 1.558 * w)
+    am = 2.0 * a + w * (3.083 + w * (-12.749 + 7.28 * w) + 1.416 * t)
+    av = a + w * (2.219 - 0.155 * w - 0.944 * t)
+    bu = b + w * (0.08 - 1.161 * w + 0.287 * t)
+    bv = b + w * (-0.44 + 0.947 * w)
     s = 2.48 - 0.216 * t
     su = (s - 2.588 * w) * ev - 1.307 * q * kv
     sv = 1.326 * ku - (s + w * (6.498 + 3.179 * t)) * eu
