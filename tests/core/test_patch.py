@@ -191,9 +191,10 @@ class Problems:
 def test_sliding_friction_is_on_the_surface_and_the_slip_along_its_normal(
     rng: np.random.Generator, precision: Any, rounding: float
 ) -> None:
-    """From nothing by Newton's squares, the last of which is at most that of a thousandth; then at rounding."""
+    """From nothing by Newton's squares, the last of which is at most that of a thousandth, times 20; from that the next
+    pass gets 20 (2e-5)^2; then it is at rounding."""
     problems = Problems(rng, 1600)
-    for most in (2e-5, max(1e-10, rounding), rounding):
+    for most in (2e-5, max(8e-9, rounding), rounding):
         problems.solve(precision)
         off, level_error, power = problems.residuals()
         assert off.max() < most

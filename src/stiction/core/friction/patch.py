@@ -26,6 +26,9 @@ from stiction.core.vec import Vec3, dot
 SECULAR_STEPS = 2
 NEWTON_STEPS = 12
 """At most; the first is the last for most that slid before."""
+WIDE_STEPS, WIDE, NARROW = 4, 0.5, 0.2
+"""How far a step may go, on a surface of radius one: two of 50,000 random problems would go round in circles from cold
+on a lopsided surface."""
 SETTLED = 1e-3
 """A Newton step shorter than this leaves an error of about its square: rounding, in single precision."""
 RADIAL_STEPS = 2
@@ -210,7 +213,8 @@ def slide(A, b, last, k, wanted):
     _, _, _, miss_warm = _residual(A, b, warm, k)
     g = choose3(miss_warm < miss_cold, warm, cold)
     going = wanted
-    for _ in range(NEWTON_STEPS):
+    for step_number in range(NEWTON_STEPS):
+        reach = WIDE if step_number < WIDE_STEPS else NARROW
         r, d, along, _ = _residual(A, b, g, k)
         H = hessian(g, k)
         M = inverse_sym(
@@ -229,7 +233,7 @@ def slide(A, b, last, k, wanted):
         step = times(M, rest)
         largest = greatest(greatest(size_of(step.x), size_of(step.y)), size_of(step.z))
         # what a lane gets must not depend on how long others of its block go on: the others are masked
-        g = choose3(going, onto_surface(g + step * least(0.5 / (largest + TINY), 1.0), k), g)
+        g = choose3(going, onto_surface(g + step * least(reach / (largest + TINY), 1.0), k), g)
         going = going & (largest > SETTLED)
         if not any_of(going):
             break
