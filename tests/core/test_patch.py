@@ -1,4 +1,4 @@
-"""Friction of a patch: the limit surface against the exact integral of Coulomb's law, and the friction on it."""
+"""Friction of a patch: the form of the limit surface, and the friction on it."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 
 from stiction.core.friction.coulomb import secular_friction
 from stiction.core.friction.patch import (
+    FAR,
     Surface,
     Sym3,
     arm_of_pressure,
@@ -19,121 +20,20 @@ from stiction.core.friction.patch import (
     onto_surface,
     phi,
     slide,
-    surface_of,
     times,
 )
+from stiction.core.friction.pressure import lopsided_surface
 from stiction.core.lanes import LANES, load, store
 from stiction.core.vec import Vec3
+from stiction.verify.limit_surface import directions
 
 from .support import Array, compiled, random_inverse_inertia, random_unit
-
-# --- Coulomb's law, integrated ----------------------------------------------------------------------------------------
-
-
-def rectangle(length: float, width: float) -> Array:
-    """Corners (4, 2) around the origin, counterclockwise."""
-    return 0.5 * np.array([[-length, -width], [length, -width], [length, width], [-length, width]])
-
-
-def regular(corners: int, radius: float = 1.0) -> Array:
-    """A regular polygon."""
-    angle = 2 * np.pi * np.arange(corners) / corners
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
-def area_of(polygon: Array) -> float:
-    """By the trapezoids below its edges."""
-    x, y = polygon.T
-    return float(0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
-
-
-def moments_of(polygon: Array) -> Array:
-    """Second moments (xx, yy) about the origin, per area."""
-    ends = np.roll(polygon, -1, axis=0)
-    twice = polygon[:, 0] * ends[:, 1] - ends[:, 0] * polygon[:, 1]
-    sums = (twice[:, None] * (polygon**2 + polygon * ends + ends**2)).sum(axis=0) / 12
-    return np.asarray(sums / area_of(polygon))
-
-
-def friction_of(polygon: Array, twists: Array) -> Array:
-    """Force and torque about the origin, (n, 3), of a face of even pressure and unit load at twists (v_x, v_y, w).
-
-    Not on the body but from it, so that twist . wrench is what is dissipated, per mu N. About the centre of rotation c
-    every point moves at right angles to its arm; by Gauss' theorem what is left are integrals along the edges.
-    """
-    v, w = twists[:, :2], twists[:, 2]
-    center = np.stack([-v[:, 1], v[:, 0]], axis=1) / w[:, None]
-    radial, arms = np.zeros_like(v), np.zeros_like(w)
-    for start, end in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        t = (end - start) / np.linalg.norm(end - start)
-        n = np.array([t[1], -t[0]])
-        d = (start - center) @ n
-        lower, upper = (start - center) @ t, (end - center) @ t
-        r0, r1 = np.hypot(lower, d), np.hypot(upper, d)
-        near = np.where(d == 0.0, 1.0, np.abs(d))
-        logs = np.where(d == 0.0, 0.0, np.arcsinh(upper / near) - np.arcsinh(lower / near))
-        radial += 0.5 * d[:, None] * ((d * logs)[:, None] * n + (r1 - r0)[:, None] * t)
-        arms += d / 3 * (0.5 * (upper * r1 - lower * r0) + 0.5 * d * d * logs)
-    force = np.sign(w)[:, None] * np.stack([-radial[:, 1], radial[:, 0]], axis=1)
-    torque = np.sign(w) * arms + center[:, 0] * force[:, 1] - center[:, 1] * force[:, 0]
-    return np.column_stack([force, torque]) / area_of(polygon)
-
-
-def directions(n: int) -> Array:
-    """(n, 3) unit vectors with z > 0, evenly spread."""
-    k = np.arange(n) + 0.5
-    z, angle = k / n, np.pi * (1 + np.sqrt(5)) * k
-    s = np.sqrt(1 - z * z)
-    return np.stack([s * np.cos(angle), s * np.sin(angle), z], axis=1)
-
-
-@pytest.mark.parametrize("polygon", [rectangle(1, 1), rectangle(2, 0.4), regular(5)], ids=["square", "5:1", "pentagon"])
-def test_the_integral_is_a_sum_over_many_points(polygon: Array) -> None:
-    """So that what is compared with is right: a fine grid of points with a cone each."""
-    low, high = polygon.min(axis=0), polygon.max(axis=0)
-    axes = [low[k] + (high[k] - low[k]) * (np.arange(800) + 0.5) / 800 for k in (0, 1)]
-    points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
-    ends = np.roll(polygon, -1, axis=0)
-    inside = np.ones(len(points), bool)
-    for a, b in zip(polygon, ends, strict=True):
-        inside &= (b[0] - a[0]) * (points[:, 1] - a[1]) - (b[1] - a[1]) * (points[:, 0] - a[0]) >= 0
-    points = points[inside]
-    twists = directions(12)
-    twists[::3, 2] *= -1
-    for twist, found in zip(twists, friction_of(polygon, twists), strict=True):
-        slip = twist[:2] + twist[2] * np.stack([-points[:, 1], points[:, 0]], axis=1)
-        unit = slip / np.linalg.norm(slip, axis=1)[:, None]
-        torque = points[:, 0] * unit[:, 1] - points[:, 1] * unit[:, 0]
-        np.testing.assert_allclose(found, [*unit.mean(axis=0), torque.mean()], atol=2e-3)
-
-
-@pytest.mark.parametrize(
-    ("polygon", "arm"),
-    [(rectangle(1, 1), 0.38260), (regular(720), 2 / 3), (regular(3), 0.4601), (regular(6), 0.6080)],
-    ids=["square", "disc", "triangle", "hexagon"],
-)
-def test_the_mean_arm_of_well_known_faces(polygon: Array, arm: float) -> None:
-    """Torque of pure spinning per mu N."""
-    assert friction_of(polygon, np.array([[0.0, 0.0, 1.0]]))[0, 2] == pytest.approx(arm, rel=1e-4)
-
-
-# --- the limit surface ------------------------------------------------------------------------------------------------
-
-SIDES = {"square": (1.0, 1.0), "2:1": (2.0, 1.0), "5:1": (5.0, 1.0), "upright 5:1": (1.0, 5.0)}
-
-
-def element_of(polygon: Array, disc: bool = False) -> tuple[float, Surface]:
-    """T_m and the surface of a face of even pressure in its principal axes."""
-    Mu, Mv = moments_of(polygon)
-    swapped = bool(Mv > Mu)
-    q, kappa = arm_of_pressure(*((Mv, Mu) if swapped else (Mu, Mv)))
-    return (1.006 if disc else 1.0) * float(kappa) * float(np.sqrt(Mu + Mv)), surface_of(q, swapped, disc)
 
 
 def on_surface(k: Surface, rays: Array) -> Array:
     """Where rays from the origin meet the surface, (n, 3): s + B s^3 = 1 for the square of the length, by bisection."""
     B = phi(Vec3(*rays.T), k) - 1.0
-    low, high = np.zeros(len(rays)), np.full(len(rays), 1.3)
+    low, high = np.zeros(len(rays)), np.full(len(rays), FAR)
     for _ in range(60):
         middle = 0.5 * (low + high)
         outside = middle + B * middle**3 > 1.0
@@ -141,51 +41,29 @@ def on_surface(k: Surface, rays: Array) -> Array:
     return np.asarray(rays * np.sqrt(low)[:, None])
 
 
-def dissipation_error(polygon: Array, disc: bool = False) -> tuple[float, float]:
-    """Root mean square and largest relative error of the dissipation, over all twists from spin to translation."""
-    Tm, k = element_of(polygon, disc)
-    rms_arm = np.sqrt(moments_of(polygon).sum())
-    twists = directions(1000) / [1.0, 1.0, rms_arm]
-    exact = (friction_of(polygon, twists) * twists).sum(axis=1)
-    points = on_surface(k, np.vstack([directions(30_000), directions(30_000) * [1, 1, -1]]))
-    found = ((twists * [1.0, 1.0, Tm]) @ points.T).max(axis=1)
-    error = found / exact - 1.0
-    return float(np.sqrt((error**2).mean())), float(np.abs(error).max())
-
-
-@pytest.mark.parametrize(
-    ("polygon", "disc", "rms", "largest"),
-    [
-        (rectangle(1, 1), False, 0.0020, 0.0052), (rectangle(2, 1), False, 0.0030, 0.0105),
-        (rectangle(5, 1), False, 0.0094, 0.041), (rectangle(1, 5), False, 0.0094, 0.041),
-        (regular(720), True, 0.0020, 0.0043), (regular(3), False, 0.0085, 0.031),
-    ],
-    ids=["square", "2:1", "5:1", "upright 5:1", "disc", "triangle"],
-)  # fmt: skip
-def test_the_surface_dissipates_as_coulombs_law_integrated(
-    polygon: Array, disc: bool, rms: float, largest: float
-) -> None:
-    """The support function of a convex set is the set: its error is that of every limit of force and torque, too."""
-    found = dissipation_error(polygon, disc)
-    assert found[0] < rms
-    assert found[1] < largest
-
-
-@pytest.mark.parametrize("sides", SIDES.values(), ids=SIDES.keys())
-def test_the_mean_arm_of_a_rectangle_is_exact_to_a_few_ten_thousandths(sides: tuple[float, float]) -> None:
-    exact = friction_of(rectangle(*sides), np.array([[0.0, 0.0, 1.0]]))[0, 2]
-    assert element_of(rectangle(*sides))[0] == pytest.approx(exact, rel=4e-4)
-
-
-SHAPES = [(q, swapped, False) for q in np.linspace(0.0, 1.0, 11) for swapped in (False, True)] + [(1.0, False, True)]
-"""Arguments of surface_of."""
+LOPSIDED = [
+    (0.0, 0.0, 0.0, 0.0),
+    (9.0, 0.0, 0.0, 0.0),
+    (0.0, 9.0, 0.0, 0.0),
+    (-1.0, 1.0, 0.5, -0.5),
+    (0.05, 0.05, 0.3, 0.0),
+]
+"""Of the pressure along u and v, and of an even load; 9 is beyond all limits."""
+SHAPES = [
+    (q, t, roundness, *lop)
+    for q in np.linspace(0.0, 1.0, 6)
+    for t in (0.0, 0.4, 1.0)
+    for roundness in sorted({0.0, q * (1.0 - t)})
+    for lop in LOPSIDED
+]
+"""Arguments of lopsided_surface."""
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_the_surface_is_convex(shape: tuple[float, bool, bool]) -> None:
+def test_the_surface_is_convex(shape: tuple[float, ...]) -> None:
     """The second fundamental form has no negative curvature anywhere; with an associated slip, friction is unique."""
-    k = surface_of(*shape)
-    points = on_surface(k, directions(3000))
+    k = lopsided_surface(*shape)
+    points = on_surface(k, directions(1500))
     d, H = gradient(Vec3(*points.T), k), hessian(Vec3(*points.T), k)
     normal = np.stack(d, axis=1) / np.linalg.norm(np.stack(d, axis=1), axis=1)[:, None]
     matrices = np.stack([[H.xx, H.xy, H.xz], [H.xy, H.yy, H.yz], [H.xz, H.yz, H.zz]]).transpose(2, 0, 1)
@@ -196,21 +74,21 @@ def test_the_surface_is_convex(shape: tuple[float, bool, bool]) -> None:
 
 @pytest.mark.parametrize("shape", SHAPES)
 def test_every_ray_meets_the_surface_once_and_inside_the_ball_that_is_said(
-    rng: np.random.Generator, shape: tuple[float, bool, bool]
+    rng: np.random.Generator, shape: tuple[float, ...]
 ) -> None:
-    k = surface_of(*shape)
-    rays = directions(500)
+    k = lopsided_surface(*shape)
+    rays = directions(300)
     at = on_surface(k, rays)
-    assert (at**2).sum(axis=1).max() < 1.3
+    assert (at**2).sum(axis=1).max() < FAR
     inside = [level(Vec3(*(f * row)), k) for f in (0.2, 0.7, 0.999) for row in at]
-    outside = [level(Vec3(*(f * row)), k) for f in (1.001, 1.1, 1.3, 2.0, 1e3, 1e12) for row in at]
+    outside = [level(Vec3(*(f * row)), k) for f in (1.001, 1.1, 1.2, 2.0, 1e3, 1e12) for row in at]
     assert max(inside) < 1.0 < min(outside)
 
 
 def test_gradient_and_hessian_are_the_derivatives_of_phi(rng: np.random.Generator) -> None:
     """By complex steps, which are exact."""
     for _ in range(50):
-        k, g = Surface(*rng.uniform(-0.4, 2.0, size=4)), rng.normal(size=3)
+        k, g = Surface(*rng.uniform(-0.4, 2.0, size=7)), rng.normal(size=3)
         steps = 1e-30j * np.eye(3)
         found = [phi(Vec3(*(g + step)), k).imag / 1e-30 for step in steps]
         np.testing.assert_allclose(gradient(Vec3(*g), k), found, rtol=1e-12, atol=1e-12)
@@ -230,18 +108,21 @@ def test_a_symmetric_matrix_times_and_inverse(rng: np.random.Generator) -> None:
 
 # --- sliding ----------------------------------------------------------------------------------------------------------
 
-ROWS = 16
-"""Of a problem: A (6), b (3), last (3), surface (4)."""
+ROWS = 19
+"""Of a problem: A (6), b (3), last (3), surface (7)."""
 
 
 def solve_blocks(x: Any, y: Any) -> None:
-    """Eight problems side by side: block i is rows 16 i to 16 i + 15 of x, its answers rows 3 i to 3 i + 2 of y."""
+    """Eight problems side by side: block i is rows 19 i to 19 i + 18 of x, its answers rows 3 i to 3 i + 2 of y."""
     for i in range(y.shape[0] // 3):
         o = ROWS * i
         A = Sym3(load(x, o), load(x, o + 1), load(x, o + 2), load(x, o + 3), load(x, o + 4), load(x, o + 5))
         b = Vec3(load(x, o + 6), load(x, o + 7), load(x, o + 8))
         last = Vec3(load(x, o + 9), load(x, o + 10), load(x, o + 11))
-        k = Surface(load(x, o + 12), load(x, o + 13), load(x, o + 14), load(x, o + 15))
+        k = Surface(
+            load(x, o + 12), load(x, o + 13), load(x, o + 14), load(x, o + 15), load(x, o + 16), load(x, o + 17),
+            load(x, o + 18),
+        )  # fmt: skip
         g = slide(A, b, last, k, b.x < np.inf)
         store(y, 3 * i, g.x)
         store(y, 3 * i + 1, g.y)
@@ -254,10 +135,9 @@ class Problems:
     def __init__(self, rng: np.random.Generator, n: int, *, point: bool = False) -> None:
         A, b, k = [], [], []
         while len(A) < n:
-            size = np.exp(rng.uniform(-1.6, 1.6, size=2))
+            size = np.sort(np.exp(rng.uniform(-1.6, 1.6, size=2)))[::-1]
             Mu, Mv = size**2 / 12
-            swapped = bool(Mv > Mu)
-            q, kappa = arm_of_pressure(max(Mu, Mv), min(Mu, Mv))
+            q, kappa = arm_of_pressure(Mu, Mv)
             Tm = 0.0 if point else float(kappa * np.sqrt(Mu + Mv))
             # a box that stands on the face, pressed anywhere within it
             height, mass = np.exp(rng.uniform(-1, 1)), np.exp(rng.uniform(-3, 3))
@@ -268,7 +148,7 @@ class Problems:
             K = J @ np.diag([*[1 / mass] * 3, *(1 / inertia)]) @ J.T
             D = np.diag([1.0, 1.0, Tm])
             F = D @ K @ D + (np.diag([0.0, 0.0, 1.0]) if point else 0.0)
-            surface = surface_of(q, swapped, False)
+            surface = lopsided_surface(float(q), rng.uniform(0.0, 1.0), 0.0, *rng.normal(size=2), *rng.normal(size=2))
             # the problem divided by the limit; the slip that friction meets is one to a thousand times what it can take
             stick = np.exp(rng.uniform(0.0, 6.9)) * random_unit(rng) * [1.0, 1.0, not point]
             if level(Vec3(*stick), surface) <= 1.0:
@@ -311,9 +191,10 @@ class Problems:
 def test_sliding_friction_is_on_the_surface_and_the_slip_along_its_normal(
     rng: np.random.Generator, precision: Any, rounding: float
 ) -> None:
-    """From nothing by Newton's squares, the last of which is at most that of a thousandth; then at rounding."""
+    """From nothing by Newton's squares, the last of which is at most that of a thousandth, times 20; from that the next
+    pass gets 20 (2e-5)^2; then it is at rounding."""
     problems = Problems(rng, 1600)
-    for most in (2e-5, max(1e-10, rounding), rounding):
+    for most in (2e-5, max(8e-9, rounding), rounding):
         problems.solve(precision)
         off, level_error, power = problems.residuals()
         assert off.max() < most
@@ -359,8 +240,8 @@ def test_friction_dissipates_as_much_as_it_can(rng: np.random.Generator) -> None
 
 
 def test_a_ray_is_put_onto_the_surface_in_two_steps(rng: np.random.Generator) -> None:
-    for shape in SHAPES:
-        k = surface_of(*shape)
+    for shape in SHAPES[::3]:
+        k = lopsided_surface(*shape)
         for ray, at in zip(directions(50), on_surface(k, directions(50)), strict=True):
             found = np.array(onto_surface(Vec3(*(float(np.exp(rng.uniform(-5, 5))) * ray)), k))
             np.testing.assert_allclose(found, at, atol=5e-6)

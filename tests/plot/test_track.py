@@ -65,7 +65,7 @@ def test_what_cannot_be_watched_is_told() -> None:
 def test_a_recording_has_the_track_of_its_run_without_energies(tmp_path: Path) -> None:
     simulation = Simulation(load("pull", ["duration=0.2", "world.gravity=[0,0,-5]"]))
     observer = Observer(simulation.world, simulation.scene.title, every=4)
-    with RecordingWriter(tmp_path / "run.h5", simulation, 4) as writer:
+    with RecordingWriter(tmp_path / "run.h5", simulation, 4, contacts=True, precision="full") as writer:
         run(simulation, recorder=observer, writer=writer)
     live, read = observer.track(), from_recording(tmp_path / "run.h5")
     np.testing.assert_array_equal(read.frames.positions, live.frames.positions)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.collide.manifold import forget_face
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.jit import jit
 from stiction.core.manifolds import (
@@ -52,6 +53,7 @@ def update_manifolds(
                 needed = margin_of(pose, kinds, a, b)
                 margin = needed + look_of(pose, kinds, a, b)
                 hint = hint_of(kinds, a, b, manifolds, meta, pose, row)
+                forget_face(points)
                 found, toward, nearest = pair_contacts(
                     bodies, kinds, a, b, margin, hint, contacts, tags, 0, points, boxes_meet, hulls
                 )
@@ -62,9 +64,7 @@ def update_manifolds(
                 if found == 0 or nearest > needed:
                     see_nothing(manifolds, meta, reports, pose, a, b, row, nearest, toward)
                 else:
-                    take_points(
-                        bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow
-                    )
+                    take_points(bodies, kinds, a, b, soft, row, contacts, tags, found, points, table, slow)
             if meta[row, s.POINTS] > 0.0:
                 refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, dt)
                 active[k, HAS_POINTS] = 1

@@ -4,9 +4,8 @@ A manifold is made from the contact points of the narrow phase and lives in the 
 have moved against each other by less than a tolerance it is kept: separations follow from the bodies' poses to second
 order, and the narrow phase is not run. Impulses go over to a new set of points by feature, else by place.
 
-The frame (n, u, v) of a manifold has u along the longer principal axis of its patch, for the limit surface of friction
-is written in these axes; four points whose patch is as wide as it is long are aligned with an edge instead, which makes
-the friction blind to how an unconverged solver spreads the load over the corners.
+The points stand counterclockwise around the normal. The frame (n, u, v) of a manifold has u along the longer principal
+axis of its face (``faces.py``); in a step it is turned to the axes of the pressure (``solve/blocks.py``).
 """
 
 from __future__ import annotations
@@ -14,8 +13,7 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
-from stiction.core.collide.manifold import ROUND
-from stiction.core.contact_space import contact_basis
+from stiction.core.faces import measure_face, order_points
 from stiction.core.jit import jit
 from stiction.core.state import (
     DYNAMIC_MU,
@@ -38,7 +36,7 @@ from stiction.core.state import (
     V,
     W,
 )
-from stiction.core.vec import Vec3, column, cross, dot, length, mat33, put_vec3, transpose, vec3
+from stiction.core.vec import Vec3, cross, dot, length, mat33, put_vec3, transpose, vec3
 
 SPECULATIVE = 0.005
 """m, points are kept that far ahead besides what velocities ask for, or a twentieth of the smaller body if less."""
@@ -55,7 +53,6 @@ STILL = 1e-9
 STILL_PART = 1e-3
 SAME_PLACE = 0.1
 """Of the patch's size: a point without a partner of the same feature inherits from the nearest old one this close."""
-ISOTROPIC = 1e-3
 EDITED_MOTION, FARTHEST = 1.0, 0.9
 """m, by which a body counts as moved that was changed from outside; a pair is looked at again after less, however far
 apart it is."""
@@ -63,6 +60,12 @@ FORGOTTEN = 0.5
 """Of the smaller body's reach: after so much motion the last direction of a pair is no hint any more."""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
+FLAT = 1e-4
+"""Of the size of a face: points whose separations differ by less are equally far."""
+UNKNOWN = -1.0
+"""What PLACED says of a manifold that was not there in the step before, or had other points."""
+TOUCHED = 1e-6
+"""m, half of a gap that makes no difference to where friction acts."""
 PULL_BACK = 0.1
 """Of the way that a face that sticks has crept, in a step."""
 CREEP = 0.002
@@ -139,12 +142,19 @@ def see_nothing(manifolds, meta, reports, pose, a, b, row, gap, toward):
 
 
 @jit
-def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contacts, tags, found, table, slow):
-    """Make the manifold anew from ``found`` contact points; ``slow`` (m/s) is the slip below which it begins stuck."""
+def take_points(
+    bodies, kinds, a, b, soft, row, contacts, tags, found, points, table, slow
+):  # fmt: skip
+    """Make the manifold anew from ``found`` contact points; ``slow`` (m/s) is the slip below which it begins stuck.
+
+    ``points`` is the scratch of the narrow phase, which may hold the whole face.
+    """
+    manifolds, meta, reports, pose = soft.manifolds, soft.meta, soft.reports, soft.pose
     meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
     Ra, Rb = mat33(pose, a + 1, s.POSE_ROTATION), mat33(pose, b + 1, s.POSE_ROTATION)
     xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
     n = vec3(contacts, 0, NORMAL)
+    order_points(contacts, tags, found, n)
     center = vec3(contacts, 0, POINT)
     for k in range(1, found):
         center = center + vec3(contacts, k, POINT)
@@ -157,15 +167,25 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
     if found > 2:
         reports[row, s.HELD] = 0.0
     elif not same:
-        put_vec3(reports, row, s.HERE_A, center - xa)
-        put_vec3(reports, row, s.HERE_B, center - xb)
-        meta[row, s.PLACED] = -1.0
+        meta[row, s.PLACED] = UNKNOWN
     old_center = xa + Ra @ vec3(meta, row, s.ANCHOR_A)
     old_u = Ra @ vec3(manifolds, row, s.TANGENT_A)
     old_v = cross(Ra @ vec3(manifolds, row, s.NORMAL_A), old_u)
-    u = measure_patch(contacts, tags, found, center, n, manifolds, row)
-    v = cross(n, u)
-    size2 = (manifolds[row, s.C_U] + manifolds[row, s.C_V]) * SAME_PLACE * SAME_PLACE
+    old_x = (
+        manifolds[row, s.PLACE_U],
+        manifolds[row, s.PLACE_U + 1],
+        manifolds[row, s.PLACE_U + 2],
+        manifolds[row, s.PLACE_U + 3],
+    )
+    old_y = (
+        manifolds[row, s.PLACE_V],
+        manifolds[row, s.PLACE_V + 1],
+        manifolds[row, s.PLACE_V + 2],
+        manifolds[row, s.PLACE_V + 3],
+    )
+    u, spread2 = measure_face(contacts, tags, found, center, n, points, manifolds, soft.corners, row)
+    meta[row, s.SIZE2] = spread2
+    size2 = spread2 * SAME_PLACE * SAME_PLACE
 
     # impulses of the same points: by feature, else by place
     o0, o1, o2, o3 = (
@@ -194,7 +214,7 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
                     if meta[row, s.FEATURES + j] == tags[k, FEATURE]:
                         match = j
                 else:
-                    dx, dy = x - manifolds[row, s.PLACE_U + j], y - manifolds[row, s.PLACE_V + j]
+                    dx, dy = x - old_x[j], y - old_y[j]
                     if dx * dx + dy * dy <= best:
                         best, match = dx * dx + dy * dy, j
             if match >= 0:
@@ -218,15 +238,12 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
 
     for k in range(4):
         here = k < found
-        d = vec3(contacts, k, POINT) - center
         manifolds[row, s.GAP + k] = contacts[k, SEPARATION] - reports[row, s.LIFT + k] if here else NOWHERE
-        manifolds[row, s.PLACE_U + k] = dot(d, u) if here else 0.0
-        manifolds[row, s.PLACE_V + k] = dot(d, v) if here else 0.0
         meta[row, s.FEATURES + k] = tags[k, FEATURE] if here else -1
     manifolds[row, s.LOAD], manifolds[row, s.LOAD + 1] = l0, l1
     manifolds[row, s.LOAD + 2], manifolds[row, s.LOAD + 3] = l2, l3
     meta[row, s.POINTS] = found
-    manifolds[row, s.COUNT] = found
+    meta[row, s.RISE] = rise_of(contacts, found, center, n, spread2)
     smaller = smaller_reach(pose, kinds, a, b)
     meta[row, s.LIMIT] = min(KEPT, KEPT_PART * smaller) if found >= 3 else min(STILL, STILL_PART * smaller)
     put_vec3(manifolds, row, s.NORMAL_A, transpose(Ra) @ n)
@@ -235,9 +252,9 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
     put_vec3(manifolds, row, s.TANGENT_B, transpose(Rb) @ u)
     put_vec3(meta, row, s.ANCHOR_A, transpose(Ra) @ (center - xa))
     put_vec3(meta, row, s.ANCHOR_B, transpose(Rb) @ (center - xb))
-    set_coefficients(kinds, table, a, b, manifolds, row)
+    set_coefficients(kinds, table, a, b, manifolds, meta, row)
     if fresh:
-        spread = math.sqrt(manifolds[row, s.C_U] + manifolds[row, s.C_V])
+        spread = math.sqrt(spread2)
         ra, rb = center - xa, center - xb
         va, wa = velocity_before(bodies, kinds, a)
         vb, wb = velocity_before(bodies, kinds, b)
@@ -255,6 +272,21 @@ def take_points(bodies, kinds, a, b, manifolds, meta, reports, pose, row, contac
 
 
 @jit
+def rise_of(contacts, found, center, n, spread2):
+    """By how much points lie higher along n where the bodies are further apart there: half, or minus half, by whose
+    side is the even one; 0 where both lie flat on each other."""
+    mean = 0.0
+    for k in range(found):
+        mean += contacts[k, SEPARATION] / found
+    mixed, wide = 0.0, 0.0
+    for k in range(found):
+        apart = contacts[k, SEPARATION] - mean
+        mixed += apart * dot(vec3(contacts, k, POINT) - center, n)
+        wide += apart * apart
+    return mixed / wide if wide > found * FLAT * FLAT * spread2 else 0.0
+
+
+@jit
 def velocity_before(bodies, kinds, i):
     """Velocities of body i as the step begins; a kinematic one takes up those it has been told in the course of it."""
     if kinds[i, MOBILITY] == KINEMATIC:
@@ -263,11 +295,11 @@ def velocity_before(bodies, kinds, i):
 
 
 @jit
-def set_coefficients(kinds, table, a, b, manifolds, row):
+def set_coefficients(kinds, table, a, b, manifolds, meta, row):
     """The pair's row of the table."""
     i, j = kinds[a, MATERIAL], kinds[b, MATERIAL]
     manifolds[row, s.MU_S], manifolds[row, s.MU_D] = table[i, j, STATIC_MU], table[i, j, DYNAMIC_MU]
-    manifolds[row, s.RESTITUTION] = table[i, j, RESTITUTION]
+    meta[row, s.RESTITUTION] = table[i, j, RESTITUTION]
     manifolds[row, s.ROLLING], manifolds[row, s.TORSIONAL] = table[i, j, ROLLING], table[i, j, TORSIONAL]
 
 
@@ -291,17 +323,21 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, d
     """
     ra = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_A)
     rb = mat33(pose, b + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_B)
+    up, half = load_along_normal(manifolds, meta, pose, a, row)
+    # the surfaces where they will touch, and where the load is
+    arm_a, arm_b = ra - half, rb + half
     if meta[row, s.POINTS] <= 2.0:
         moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
         if moved != meta[row, s.PLACED]:  # a step may be begun twice
+            fresh = meta[row, s.PLACED] == UNKNOWN
             meta[row, s.PLACED] = moved
             # where a turntable is in the middle is told by how its velocity drifts, below
-            ahead_a, ahead_b = go_on(reports, row, s.HERE_A, ra), go_on(reports, row, s.HERE_B, rb)
-            put_vec3(manifolds, row, s.ARM_A, ra if kinds[a, MOBILITY] == KINEMATIC else ra + ahead_a)
-            put_vec3(manifolds, row, s.ARM_B, rb if kinds[b, MOBILITY] == KINEMATIC else rb + ahead_b)
+            ahead_a, ahead_b = go_on(reports, row, s.HERE_A, arm_a, fresh), go_on(reports, row, s.HERE_B, arm_b, fresh)
+            put_vec3(manifolds, row, s.ARM_A, up + (arm_a if kinds[a, MOBILITY] == KINEMATIC else arm_a + ahead_a))
+            put_vec3(manifolds, row, s.ARM_B, up + (arm_b if kinds[b, MOBILITY] == KINEMATIC else arm_b + ahead_b))
     else:
-        put_vec3(manifolds, row, s.ARM_A, ra)
-        put_vec3(manifolds, row, s.ARM_B, rb)
+        put_vec3(manifolds, row, s.ARM_A, up + arm_a)
+        put_vec3(manifolds, row, s.ARM_B, up + arm_b)
     put_vec3(manifolds, row, s.SHIFT, (vec3(pose, b + 1, s.POSE_X) + rb) - (vec3(pose, a + 1, s.POSE_X) + ra))
     if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
         put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
@@ -313,6 +349,29 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, d
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)
         n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
         manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
+
+
+@jit
+def load_along_normal(manifolds, meta, pose, a, row):
+    """From the anchor along the normal to where the load is, and half of what gap there still is, world, m.
+
+    The anchor is half way between the bodies, and half way to points that are only near. But a card that leans on its
+    edge has friction at the edge; and bodies that will have met by then rub at their own surfaces, not half way over
+    the gap that is still between them when the step begins.
+    """
+    points = int(meta[row, s.POINTS])
+    load, loaded, mean, nearest = 0.0, 0.0, 0.0, manifolds[row, s.GAP] * 1.0
+    for k in range(points):
+        load += manifolds[row, s.LOAD + k]
+        loaded += manifolds[row, s.LOAD + k] * manifolds[row, s.GAP + k]
+        mean += manifolds[row, s.GAP + k] / points
+        nearest = min(nearest, manifolds[row, s.GAP + k] * 1.0)
+    rise = meta[row, s.RISE] * (loaded / load - mean) if load > 0.0 else 0.0
+    half = 0.5 * max(nearest, 0.0)
+    if rise == 0.0 and half < TOUCHED:
+        return Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.0)
+    n = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
+    return n * rise, n * half
 
 
 @jit
@@ -343,13 +402,13 @@ def keep_place(manifolds, meta, reports, row, Ra, dt):
 
 
 @jit
-def go_on(reports, row, column, arm):
+def go_on(reports, row, column, arm, fresh):
     """Half of what the arm has changed by since the step before, world, m; keeps it for the next step."""
     old = vec3(reports, row, column)
     put_vec3(reports, row, column, arm)
     # in the precision of what was kept: at rest it is exactly zero
     way = vec3(reports, row, column) - old
-    return way * (0.5 if dot(way, way) < LEAP * LEAP * dot(arm, arm) else 0.0)
+    return way * (0.5 if not fresh and dot(way, way) < LEAP * LEAP * dot(arm, arm) else 0.0)
 
 
 @jit
@@ -386,96 +445,3 @@ def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
                 v = (vec3(bodies, i, V) + vec3(bodies, i, V_START)) * 0.5 + cross(w, vec3(manifolds, row, arm))
                 work += sign * (dot(force, v) + dot(torque, w))
     return work
-
-
-@jit
-def measure_patch(contacts, tags, found, center, n, manifolds, row):
-    """Second moments of the patch and of its points along its principal axes; returns the first axis, u.
-
-    Points in a row around the patch make a polygon of even pressure. A round cap (feature bit ROUND) is the disc
-    through its four rim points. ``docs/design/patch.md`` has the rules.
-    """
-    manifolds[row, s.ARM], manifolds[row, s.ROUND_CAP] = 1.0, 0.0
-    basis = contact_basis(n)
-    e1, e2 = column(basis, 1), column(basis, 2)
-    if found == 1:
-        for k in (s.M_U, s.M_V, s.C_U, s.C_V):
-            manifolds[row, k] = 0.0
-        return e1
-    if found == 2:
-        d = vec3(contacts, 1, POINT) - vec3(contacts, 0, POINT)
-        d = d - n * dot(n, d)
-        size = length(d)
-        manifolds[row, s.M_U], manifolds[row, s.M_V] = size * size / 12.0, 0.0
-        manifolds[row, s.C_U], manifolds[row, s.C_V] = 0.25 * size * size, 0.0
-        return d * (1.0 / size) if size > 1e-12 else e1
-
-    # the points in order around the centre
-    p0, p1, p2 = (
-        _place(contacts, 0, center, e1, e2),
-        _place(contacts, 1, center, e1, e2),
-        _place(contacts, 2, center, e1, e2),
-    )
-    p3 = _place(contacts, 3, center, e1, e2) if found == 4 else p0
-    if found == 4:
-        a0, a1, a2, a3 = math.atan2(p0.y, p0.x), math.atan2(p1.y, p1.x), math.atan2(p2.y, p2.x), math.atan2(p3.y, p3.x)
-        if a1 < a0:
-            a0, a1, p0, p1 = a1, a0, p1, p0
-        if a3 < a2:
-            a2, a3, p2, p3 = a3, a2, p3, p2
-        if a2 < a0:
-            a0, a2, p0, p2 = a2, a0, p2, p0
-        if a3 < a1:
-            a1, a3, p1, p3 = a3, a1, p3, p1
-        if a2 < a1:
-            a1, a2, p1, p2 = a2, a1, p2, p1
-    x0, y0, A0, xx0, xy0, yy0 = _triangle(p0, p1, p2)
-    x1, y1, A1, xx1, xy1, yy1 = _triangle(p0, p2, p3)
-    area = A0 + A1
-    cxx = p0.x * p0.x + p1.x * p1.x + p2.x * p2.x + (p3.x * p3.x if found == 4 else 0.0)
-    cxy = p0.x * p0.y + p1.x * p1.y + p2.x * p2.y + (p3.x * p3.y if found == 4 else 0.0)
-    cyy = p0.y * p0.y + p1.y * p1.y + p2.y * p2.y + (p3.y * p3.y if found == 4 else 0.0)
-    share = 1.0 / found
-    cxx, cxy, cyy = cxx * share, cxy * share, cyy * share
-    if abs(area) > 1e-9 * (cxx + cyy):
-        gx, gy = (x0 * A0 + x1 * A1) / area, (y0 * A0 + y1 * A1) / area
-        mxx = (xx0 * A0 + xx1 * A1) / area - gx * gx
-        mxy = (xy0 * A0 + xy1 * A1) / area - gx * gy
-        myy = (yy0 * A0 + yy1 * A1) / area - gy * gy
-    else:  # a strip without width
-        mxx, mxy, myy = cxx / 3.0, cxy / 3.0, cyy / 3.0
-    if found == 3:
-        manifolds[row, s.ARM] = 0.98
-
-    if abs(mxx - myy) + abs(mxy) < ISOTROPIC * (mxx + myy):
-        x, y = p1.x - p0.x, p1.y - p0.y
-        angle = math.atan2(y, x)
-    else:
-        angle = 0.5 * math.atan2(2.0 * mxy, mxx - myy)
-    c, sn = math.cos(angle), math.sin(angle)
-    manifolds[row, s.M_U] = max(c * c * mxx + 2.0 * c * sn * mxy + sn * sn * myy, 0.0)
-    manifolds[row, s.M_V] = max(sn * sn * mxx - 2.0 * c * sn * mxy + c * c * myy, 0.0)
-    manifolds[row, s.C_U] = max(c * c * cxx + 2.0 * c * sn * cxy + sn * sn * cyy, 0.0)
-    manifolds[row, s.C_V] = max(sn * sn * cxx - 2.0 * c * sn * cxy + c * c * cyy, 0.0)
-    if found == 4 and tags[0, FEATURE] & ROUND:
-        # R^2 = 2 C for four rim points; a disc has M = R^2 / 4
-        manifolds[row, s.ROUND_CAP], manifolds[row, s.ARM] = 1.0, 1.006
-        manifolds[row, s.M_U], manifolds[row, s.M_V] = 0.5 * manifolds[row, s.C_U], 0.5 * manifolds[row, s.C_V]
-    return e1 * c + e2 * sn
-
-
-@jit
-def _place(contacts, k, center, e1, e2):
-    d = vec3(contacts, k, POINT) - center
-    return Vec3(dot(d, e1), dot(d, e2), 0.0)
-
-
-@jit
-def _triangle(a, b, c):
-    """Centroid, signed area and second moments about the origin, per area, of a triangle."""
-    area = 0.5 * ((b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x))
-    sx, sy = a.x + b.x + c.x, a.y + b.y + c.y
-    xx = (a.x * a.x + b.x * b.x + c.x * c.x + sx * sx) / 12.0
-    xy = (a.x * a.y + b.x * b.y + c.x * c.y + sx * sy) / 12.0
-    yy = (a.y * a.y + b.y * b.y + c.y * c.y + sy * sy) / 12.0
-    return sx / 3.0, sy / 3.0, area, xx, xy, yy

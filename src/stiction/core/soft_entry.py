@@ -81,7 +81,7 @@ def soft_at(book, k, one):
     return Soft(
         matrix_at(book, k, one), matrix_at(book, k + 1, 0.0), matrix_at(book, k + 2, one), matrix_at(book, k + 3, one),
         matrix_at(book, k + 4, np.int32(0)), matrix_at(book, k + 5, one), matrix_at(book, k + 6, one),
-        matrix_at(book, k + 7, 0.0), matrix_at(book, k + 8, 0.0),
+        matrix_at(book, k + 7, 0.0), matrix_at(book, k + 8, one), matrix_at(book, k + 9, 0.0),
     )  # fmt: skip
 
 

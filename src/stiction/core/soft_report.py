@@ -61,7 +61,7 @@ def report_contacts(bodies, pairs, count, manifolds, meta, reports, contacts, ta
         pull = wide(vec3(reports, row, s.TOTAL_PULL))
         twist = reports[row, s.TOTAL_TWIST] - (px * dot(pull, v) - py * dot(pull, u))
         # what is left of the spread when one point carries all is rounding
-        size2 = manifolds[row, s.C_U] + manifolds[row, s.C_V]
+        size2 = meta[row, s.SIZE2]
         turning = twist / spread if spread > 1e-6 * total * size2 else 0.0
         for j in range(points):
             x, y = manifolds[row, s.PLACE_U + j], manifolds[row, s.PLACE_V + j]

@@ -2,7 +2,7 @@
 
 Three kinds of rows, in the solver's own precision (float32 unless double is asked for):
 
-manifolds   64 numbers a pair: frame, points, impulses, friction state. They live as long as the pair.
+manifolds   80 numbers a pair: frame, points, impulses, friction state. They live as long as the pair.
 blocks      eight manifolds side by side, made anew each step from the manifolds, in the order of the colours: number k
             of the eight is a vector, so a block is FIELDS vectors of eight lanes.
 rows        a body's velocities and displacements since the step began, one cache line a body, row 0 for nobody.
@@ -32,15 +32,21 @@ def _starts(*widths: int) -> list[int]:
     NORMAL_A, TANGENT_A, MU_S, MU_D,  # normal (a to b) and first tangent in the axes of a; the pair's coefficients
     NORMAL_B, TANGENT_B, STATE, OVER,  # the same directions in the axes of b; STUCK or SLIDING; substeps over the limit
     GAP, LOAD,  # 4 + 4: separations when the manifold was made, m; normal forces of the last substep, N
-    PLACE_U, PLACE_V,  # 4 + 4: where the points are in the plane, from the anchor, m
-    PULL, SPIN, TORSIONAL, ROLLING, DRIFT_U, RESTITUTION,  # friction (world, N) and torque about n at the anchor, N m
-    M_U, M_V, C_U, C_V, ARM, ROUND_CAP, COUNT, FRESH,  # second moments of the patch and of its points, m^2; mean arm
+    PLACE_U, PLACE_V,  # 4 + 4: where the points are in the plane, from the anchor, m; for missing ones, faces.py
+    PULL, SPIN, TORSIONAL, ROLLING, DRIFT_U, KIND,  # friction (world, N) and torque about n at the anchor, N m
+    EVEN, ARM, LOP_U, LOP_V, COUNT, FRESH,  # 3 + 3, of an even load (friction/pressure.py); how many points
     SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, torque, N m
     ARM_B, BELT, DRIFT_V, LEFT,  # the same from b's, both in the middle of the step; velocity of the surface of a less
     # that of b, world, m/s; DRIFT_U, DRIFT_V: how fast it changes because bodies turn that are told to, m/s^2
     MANIFOLD_WIDTH,
-) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3, 3, 2, 3, 3, 1, 1)
+) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 3, 1, 1, 1, 1, 1, 3, 3, 2, 3, 3, 1, 1)
 # fmt: on
+
+CORNER_U, CORNER_V, CORNERS_WIDTH = 0, 8, 16
+"""Columns of the corners of faces that have more than four, (m, CORNERS_WIDTH), m: few do, so they lie apart."""
+
+FOUR, EIGHT, ELLIPSE = 0.0, 1.0, 2.0
+"""Kinds of a face: the places of the points are its corners; it has its own; it is an ellipse."""
 
 STUCK, SLIDING = 0.0, 1.0
 """States of a manifold: its static or its dynamic coefficient holds."""
@@ -55,11 +61,14 @@ PLACE, HELD = HERE_A, HERE_B
 OLD, NEW, QUIET = 0.0, 1.0, 2.0
 """What FRESH says of a manifold: made before this step; in it; in it, and its bodies hardly move against each other."""
 
-(SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, META_WIDTH) = _starts(1, 1, 1, 1, 4, 3, 3, 2)
+(SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, SIZE2, RESTITUTION, RISE, META_WIDTH) = _starts(
+    1, 1, 1, 1, 4, 3, 3, 1, 1, 1, 1
+)
 """Columns of what a manifold keeps in float64: how far both bodies had moved when it was made, m; the margin it was
 looked for with, m; how far they may move until it is made anew, m; how many points and their features (whole numbers);
 the anchor in the axes of a and of b, from their centres of mass, m; how far both bodies had moved when the arms were
-computed last, m."""
+computed last, m; mean square distance of the points from the anchor, m^2;
+the pair's coefficient of restitution; by how much points lie higher along the normal where they are further apart."""
 
 # --- blocks: (blocks x FIELDS, 8) -------------------------------------------------------------------------------------
 
@@ -79,7 +88,8 @@ computed last, m."""
     B_FRICTION_INVERSE,  # 6, its inverse
     B_CENTER,  # 2, centre of pressure in the plane
     B_TORQUE,  # T_m, torque of pure spinning per mu N, m
-    B_SURFACE,  # 4, coefficients of the limit surface
+    B_SURFACE,  # 7, coefficients of the limit surface
+    B_TURN,  # 2, cosine and sine of the angle of the frame in that of the manifold
     B_MU_S, B_MU_D,
     B_RIGID,  # 1 / K_nn at the centre of pressure: the load that would stop the closing that is left
     B_LEFT,  # closing speed that the soft contact left at the centre of pressure, m/s
@@ -100,8 +110,8 @@ computed last, m."""
     # impulse a substep with which the points hold on
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 4, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1, 1,
-    1, 4, 1, 2, 1, 1, 4, 1, 4,
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 7, 2, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1,
+    1, 1, 4, 1, 2, 1, 1, 4, 1, 4,
 )  # fmt: skip
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------
@@ -130,6 +140,7 @@ class Soft(NamedTuple):
     rows: np.ndarray  # (n + 1, ROW_WIDTH)
     aux: np.ndarray  # (n + 1, AUX_WIDTH)
     pose: np.ndarray  # (n + 1, POSE_WIDTH) float64
+    corners: np.ndarray  # (p + 1, CORNERS_WIDTH)
     grain: np.ndarray  # (n + 1, 3) float64, direction of the surface in the shape's axes, or zero
 
 
@@ -145,5 +156,6 @@ def make_soft(n: int, p: int, dtype: type = np.float32) -> Soft:
         rows=np.zeros((n + 1, ROW_WIDTH), dtype),
         aux=np.zeros((n + 1, AUX_WIDTH), dtype),
         pose=np.zeros((n + 1, POSE_WIDTH)),
+        corners=np.zeros((p + 1, CORNERS_WIDTH), dtype),
         grain=np.zeros((n + 1, 3)),
     )

@@ -139,7 +139,7 @@ def take_steps(
     take_edits(bodies, kinds, n, cache, soft.pose, soft.rows, soft.aux, lists, scratch.counts, gravity, g, dt, h)
     for done in range(steps):
         start_clock(profile)
-        substeps = 2 * settings.substeps if scratch.counts[HARD] and exact is None else settings.substeps
+        substeps = substeps_of(settings, scratch.counts, exact)
         h = dt / substeps
         active, woke = 0, True
         while woke:
@@ -164,6 +164,13 @@ def take_steps(
             scratch.counts[STALE] |= woke
             lap(profile, 2)
         scratch.counts[N_ACTIVE] = active
+        hard = is_uneven(kinds, soft.aux, soft.meta, scratch.active, active)
+        if hard != scratch.counts[HARD]:
+            # at once: springs that change while they carry a load would throw it up
+            scratch.counts[HARD] = hard
+            substeps = substeps_of(settings, scratch.counts, exact)
+            h = dt / substeps
+            begin_bodies(bodies, kinds, lists[AWAKE], awake, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
         blocks = arrange_blocks(kinds, soft, scratch, active, n)
         scratch.counts[BLOCKS] = blocks
         if blocks * s.FIELDS > soft.blocks.shape[0]:
@@ -188,7 +195,6 @@ def take_steps(
         touching = list_touching(
             kinds, soft.manifolds, soft.meta, soft.pose, scratch.active, active, lists, scratch.normals
         )
-        scratch.counts[HARD] = is_uneven(kinds, soft.aux, soft.meta, scratch.active, active)
 
         moving = list_moving(bodies, kinds, lists, scratch.normals, touching, gravity)
         lap(profile, 3)
@@ -411,6 +417,12 @@ def list_touching(kinds, manifolds, meta, pose, active, count, lists, normals):
             ):
                 lists[GLIDE, i] = NO_GLIDE
     return touching
+
+
+@jit
+def substeps_of(settings, counts, exact):
+    """How many substeps the next step takes."""
+    return 2 * settings.substeps if counts[HARD] and exact is None else settings.substeps
 
 
 @jit

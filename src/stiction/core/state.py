@@ -137,8 +137,10 @@ class Settings(NamedTuple):
     tolerance: float  # m/s, of the exact solver
 
 
-SCRATCH = 144
-"""Rows that the narrow phase needs to work in: two buffers of 64 points, and spare."""
+FACE, LARGEST_FACE = 144, 16
+"""Row of the scratch whose first number says how many corners of a face stand in the rows after it; at most so many."""
+SCRATCH = FACE + 1 + LARGEST_FACE
+"""Rows that the narrow phase needs to work in: two buffers of 64 points, spare, and a face."""
 
 
 def make_bodies(n: int) -> tuple[np.ndarray, np.ndarray]:

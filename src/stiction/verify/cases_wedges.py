@@ -105,16 +105,6 @@ class TwoCards(Case):
     )
     tolerance = "0.05 deg: the neighbours of the threshold among the multiples of 0.1 deg, exactly"
     tolerance_reason = "cards that give way have moved by centimetres after 2 s, cards that hold by micrometres"
-    known_limit: ClassVar = {
-        "soft": (
-            "friction acts half way to the far corners of a card's lower end, which are only near: 3 mm too high, so "
-            "that cards give way up to 0.1 degrees early"
-        ),
-        "exact": (
-            "friction acts half way to the far corners of a card's lower end, which are only near: 3 mm too high, so "
-            "that cards give way up to 0.1 degrees early"
-        ),
-    }
     LENGTH: ClassVar = 1.0
     THICKNESS: ClassVar = 0.04
     FRICTION: ClassVar = (0.15, 0.3)

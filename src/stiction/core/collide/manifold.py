@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from stiction.core.jit import inlined, jit
-from stiction.core.state import BODY_A, BODY_B, FEATURE, NORMAL, POINT, SEPARATION
+from stiction.core.state import BODY_A, BODY_B, FACE, FEATURE, LARGEST_FACE, NORMAL, POINT, SEPARATION
 from stiction.core.vec import Vec3, cross, dot, put_vec3
 
 POINTS = 4
@@ -48,7 +48,8 @@ def reduce(points, n, normal):
     it in the plane, and on either side of the line between them the one that spans the largest triangle. Depths are
     told apart only by ``SAME_DEPTH`` of the patch's size, and a point must be better than an earlier one by
     ``CLEARLY``: so the choice does not flip while a body rocks by micrometres, and yet a thin sheet does not stand on
-    the corners of its upper face.
+    the corners of its upper face. Of more than four points that are equally deep, all are remembered beside: they are
+    the face, of which friction wants the moments.
     """
     if n <= POINTS:
         return n
@@ -59,6 +60,7 @@ def reduce(points, n, normal):
         size2 = max(size2, dot(d, d))
         middle = middle + d * (1.0 / n)
     same = _sort_by_depth(points, n, normal, size2)
+    _remember(points, same)
     outermost, best = 0, 0.0
     for i in range(same):
         d = _in_plane(points, i, origin, normal) - middle
@@ -86,6 +88,33 @@ def reduce(points, n, normal):
             _swap(points, kept, widest)
             kept += 1
     return kept
+
+
+@jit
+def forget_face(points):
+    """Before a pair is looked at: no face is known of it."""
+    if points.shape[0] > FACE:
+        points[FACE, 0] = 0.0
+
+
+@jit
+def remembered(points):
+    """How many corners of the face of the pair that was looked at last are in scratch, 0 or more than four."""
+    return int(points[FACE, 0]) if points.shape[0] > FACE else 0
+
+
+@jit
+def _remember(points, n):
+    """Keep the first n points as a face; of many, every second or third."""
+    if points.shape[0] <= FACE or n <= POINTS:
+        return
+    every = (n + LARGEST_FACE - 1) // LARGEST_FACE
+    kept = 0
+    for i in range(0, n, every):
+        for k in range(3):
+            points[FACE + 1 + kept, k] = points[i, k]
+        kept += 1
+    points[FACE, 0] = kept if kept > POINTS else 0
 
 
 @jit

@@ -20,8 +20,10 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
+from stiction.core.friction.pressure import Even
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES, greatest, load, select, sqrt, store
+from stiction.core.lanes import LANES, load, select, store
+from stiction.core.solve.normals import Four
 from stiction.core.state import (
     ADHESION,
     ADHESION_PRESSURE,
@@ -49,9 +51,6 @@ TOUCH = 1e-4
 MOST_ALPHA = 1e4
 """m/s"""
 TINY = 1e-30
-TRIANGLE, QUADRILATERAL, CAP = 6.0 * math.sqrt(3.0), 12.0, 4.0 * math.pi
-"""Area over the root of the product of the two principal second moments (exact for triangles, parallelograms and
-discs)."""
 
 
 @jit
@@ -101,8 +100,8 @@ def laws_of(wanted, kinds, table, soft):
 
 
 @jit
-def prepare_laws(i, blocks, index, count, manifolds, aux, laws, h):
-    """Of the lanes of block i: direction and ratio of the grain, adhesion, and the limit of tyres.
+def prepare_laws(i, blocks, index, count, manifolds, aux, laws):
+    """Of the lanes of block i: direction and ratio of the grain, and the limit of tyres.
 
     The first three of B_SCALED are the cosine and sine of the grain in the plane, and the ratio, for :func:`stretch`.
     """
@@ -110,82 +109,130 @@ def prepare_laws(i, blocks, index, count, manifolds, aux, laws, h):
     o = i * s.FIELDS
     for lane in range(LANES):
         row = index[i + 2 * count, lane]
-        c, sn, ratio, alpha = 1.0, 0.0, 1.0, 0.0
-        for k in range(4):
-            blocks[o + s.B_ATTRACT + k, lane] = 0.0
+        c, sn, ratio = 1.0, 0.0, 1.0
         if row > 0:
             a, b = index[i, lane], index[i + count, lane]
             ma, mb = kinds[a - 1, MATERIAL], kinds[b - 1, MATERIAL]
             sliding = manifolds[row, s.STATE] == s.SLIDING
             wanted = table[ma, mb, DYNAMIC_ACROSS if sliding else STATIC_ACROSS]
             if wanted != 1.0:
-                d = mat33(aux, a, s.AUX_ROTATION) @ vec3(grain, a, 0)
+                Ra = mat33(aux, a, s.AUX_ROTATION)
+                d = Ra @ vec3(grain, a, 0)
                 if dot(d, d) == 0.0:
                     d = mat33(aux, b, s.AUX_ROTATION) @ vec3(grain, b, 0)
-                n, u = _vector(blocks, o + s.B_NORMAL, lane), _vector(blocks, o + s.B_TANGENT, lane)
+                n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
                 x, y = dot(d, u), dot(d, cross(n, u))
                 size = math.sqrt(x * x + y * y)
                 if size > 1e-3:  # a grain along the normal has no direction in the plane
                     c, sn, ratio = x / size, y / size, wanted
-            law = table[ma, mb, LAW]
-            if law >= BRUSH:
+            if table[ma, mb, LAW] >= BRUSH:
                 limit = PEAK * table[ma, mb, DYNAMIC_MU]
                 blocks[o + s.B_MU_S, lane] = blocks[o + s.B_MU_D, lane] = limit
-            hold_on(blocks, o, lane, manifolds, row, table, ma, mb, h)
         blocks[o + s.B_SCALED, lane], blocks[o + s.B_SCALED + 1, lane] = c, sn
         blocks[o + s.B_SCALED + 2, lane] = ratio
-        blocks[o + s.B_ALPHA, lane] = alpha
+        blocks[o + s.B_ALPHA, lane] = 0.0
 
 
 @jit
-def hold_on(blocks, o, lane, manifolds, row, table, i, j, h):
+def hold_on(i, blocks, index, count, manifolds, corners, laws, h):
     """The impulse a substep with which each point of a manifold holds on: its share of the force, if any touches, and
     of the pressure on the whole face, if it touches itself."""
-    force, pressure = table[i, j, ADHESION], table[i, j, ADHESION_PRESSURE]
-    if force <= 0.0 and pressure <= 0.0:
-        return
-    points, touching = int(manifolds[row, s.COUNT]), 0
-    for k in range(points):
-        if blocks[o + s.B_GAP + k, lane] < TOUCH:
-            touching += 1
-    if touching == 0:
-        return
-    area = math.sqrt(max(manifolds[row, s.M_U] * manifolds[row, s.M_V], 0.0)) * (
-        CAP if manifolds[row, s.ROUND_CAP] > 0.5 else (TRIANGLE if points == 3 else QUADRILATERAL)
-    )
-    share = (force / touching + pressure * area / points) * h / blocks[o + s.B_SCALE, lane]
-    for k in range(points):
-        if blocks[o + s.B_GAP + k, lane] < TOUCH:
-            blocks[o + s.B_ATTRACT + k, lane] = share
+    kinds, table, _ = laws
+    o = i * s.FIELDS
+    for lane in range(LANES):
+        for k in range(4):
+            blocks[o + s.B_ATTRACT + k, lane] = 0.0
+        row = index[i + 2 * count, lane]
+        if row <= 0:
+            continue
+        ma, mb = kinds[index[i, lane] - 1, MATERIAL], kinds[index[i + count, lane] - 1, MATERIAL]
+        force, pressure = table[ma, mb, ADHESION], table[ma, mb, ADHESION_PRESSURE]
+        if force <= 0.0 and pressure <= 0.0:
+            continue
+        points, touching = int(manifolds[row, s.COUNT]), 0
+        for k in range(points):
+            if blocks[o + s.B_GAP + k, lane] < TOUCH:
+                touching += 1
+        if touching == 0:
+            continue
+        share = force / touching
+        if pressure > 0.0 and points > 2:
+            share += pressure * face_area(manifolds, corners, row) / points
+        share = share * h / blocks[o + s.B_SCALE, lane]
+        for k in range(points):
+            if blocks[o + s.B_GAP + k, lane] < TOUCH:
+                blocks[o + s.B_ATTRACT + k, lane] = share
 
 
 @jit
-def stretch(blocks, o, Mu, Mv):
-    """Scaled coordinates of block o: the matrix E from scaled forces to forces along u and v (xx, xy, yx, yy), and the
-    principal second moments of the pressure in them.
+def face_area(manifolds, corners, row):
+    """Area of the face of a manifold, m^2."""
+    if manifolds[row, s.KIND] == s.ELLIPSE:
+        # (r - c)^T W (r - c) = 4
+        uu, uv, vv = manifolds[row, s.EVEN], manifolds[row, s.EVEN + 1], manifolds[row, s.EVEN + 2]
+        return 4.0 * math.pi / math.sqrt(uu * vv - uv * uv)
+    twice = 0.0
+    if manifolds[row, s.KIND] == s.EIGHT:
+        for k in range(8):
+            j = (k + 1) % 8
+            twice += corners[row, s.CORNER_U + k] * corners[row, s.CORNER_V + j]
+            twice -= corners[row, s.CORNER_U + j] * corners[row, s.CORNER_V + k]
+    else:
+        for k in range(4):
+            j = (k + 1) % 4
+            twice += manifolds[row, s.PLACE_U + k] * manifolds[row, s.PLACE_V + j]
+            twice -= manifolds[row, s.PLACE_U + j] * manifolds[row, s.PLACE_V + k]
+    return 0.5 * abs(twice)
 
-    With a round limit that is the unit matrix, and the moments are as they were.
-    """
+
+@jit
+def ellipse_at(blocks, o):
+    """The symmetric matrix E of block o, xx, xy and yy, from direction and ratio of the grain."""
     c, sn, r = load(blocks, o + s.B_SCALED), load(blocks, o + s.B_SCALED + 1), load(blocks, o + s.B_SCALED + 2)
+    return c * c + r * sn * sn, (1.0 - r) * c * sn, sn * sn + r * c * c
+
+
+@jit
+def stretched(blocks, o, x, y):
+    """Four places of each lane as the pressure is seen in scaled coordinates: J^T E J r."""
+    xx, xy, yy = ellipse_at(blocks, o)
+    return (
+        Four(yy * x.a - xy * y.a, yy * x.b - xy * y.b, yy * x.c - xy * y.c, yy * x.d - xy * y.d),
+        Four(xx * y.a - xy * x.a, xx * y.b - xy * x.b, xx * y.c - xy * x.c, xx * y.d - xy * x.d),
+    )
+
+
+@jit
+def stretch(blocks, o, px, py, even, is_round):
+    """The same for the centre of pressure, and for what is known of an even load."""
+    xx, xy, yy = ellipse_at(blocks, o)
+    # P = J^T E J, and its inverse, E / det
+    over = 1.0 / (xx * yy - xy * xy)
+    ixx, ixy, iyy = xx * over, xy * over, yy * over
+    auu, auv = ixx * even.uu + ixy * even.uv, ixx * even.uv + ixy * even.vv
+    avu, avv = ixy * even.uu + iyy * even.uv, ixy * even.uv + iyy * even.vv
+    made = Even(
+        auu * ixx + auv * ixy, auu * ixy + auv * iyy, avu * ixy + avv * iyy, even.arm,
+        select(is_round, yy * even.u - xy * even.v, even.u), select(is_round, xx * even.v - xy * even.u, even.v),
+    )  # fmt: skip
+    return yy * px - xy * py, xx * py - xy * px, made
+
+
+@jit
+def keep_scaled(blocks, o, c, sn):
+    """Write the matrix E Q from scaled forces to forces along u and v (xx, xy, yx, yy), Q the turn (c, sn) of the axes
+    of the pressure; returns the turn of the frame itself, which is none where there is a grain.
+    """
+    xx, xy, yy = ellipse_at(blocks, o)
+    r = load(blocks, o + s.B_SCALED + 2)
     one = r - r + 1.0
     zero = r - r
-    round_one = (r > 0.999999) & (r < 1.000001)
-    # E = R diag(1, r) R^T, and J^T E J, which takes the places of the pressure along
-    exx, exy, eyy = c * c + r * sn * sn, (1.0 - r) * c * sn, sn * sn + r * c * c
-    pxx, pxy, pyy = eyy, -exy, exx
-    m_xx, m_xy, m_yy = pxx * pxx * Mu + pxy * pxy * Mv, pxy * (pxx * Mu + pyy * Mv), pxy * pxy * Mu + pyy * pyy * Mv
-    half, mean = (m_xx - m_yy) * 0.5, (m_xx + m_yy) * 0.5
-    span = sqrt(half * half + m_xy * m_xy)
-    turned = span > 1e-6 * mean
-    cos2 = select(turned, half / greatest(span, TINY), one)
-    qc = sqrt(greatest((1.0 + cos2) * 0.5, 0.0))
-    qs = sqrt(greatest((1.0 - cos2) * 0.5, 0.0))
-    qs = select(m_xy < 0.0, -qs, qs)
-    store(blocks, o + s.B_SCALED, select(round_one, one, exx * qc + exy * qs))
-    store(blocks, o + s.B_SCALED + 1, select(round_one, zero, exy * qc - exx * qs))
-    store(blocks, o + s.B_SCALED + 2, select(round_one, zero, exy * qc + eyy * qs))
-    store(blocks, o + s.B_SCALED + 3, select(round_one, one, eyy * qc - exy * qs))
-    return select(round_one, Mu, mean + span), select(round_one, Mv, greatest(mean - span, 0.0))
+    plain = (r > 0.999999) & (r < 1.000001)
+    store(blocks, o + s.B_SCALED, select(plain, one, xx * c + xy * sn))
+    store(blocks, o + s.B_SCALED + 1, select(plain, zero, xy * c - xx * sn))
+    store(blocks, o + s.B_SCALED + 2, select(plain, zero, xy * c + yy * sn))
+    store(blocks, o + s.B_SCALED + 3, select(plain, one, yy * c - xy * sn))
+    return select(plain, c, one), select(plain, sn, zero)
 
 
 @jit

@@ -14,10 +14,20 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.contact_space import inverse_mass_matrix, skew
-from stiction.core.friction.laws import prepare_laws, scaled_force, scaling_at, stretch
-from stiction.core.friction.patch import Surface, Sym3, arm_of_pressure, inverse_sym, surface_of
+from stiction.core.friction.laws import hold_on, keep_scaled, prepare_laws, scaled_force, scaling_at, stretch, stretched
+from stiction.core.friction.patch import Surface, Sym3, inverse_sym
+from stiction.core.friction.pressure import (
+    CAP_A,
+    CAP_B,
+    Even,
+    choose_polar,
+    polar_of,
+    polar_of_eight,
+    polar_of_ellipse,
+    pressed,
+)
 from stiction.core.jit import jit
-from stiction.core.lanes import gather, greatest, least, load, select, splat, sqrt, store
+from stiction.core.lanes import any_of, gather, greatest, least, load, select, splat, sqrt, store
 from stiction.core.solve.normals import Four, Sym4, inverse_of_points, point_matrix
 from stiction.core.vec import Mat33, Vec3, columns, cross, dot, transpose
 
@@ -92,9 +102,12 @@ def put10(blocks, k, m):
 
 @jit
 def surface_at(blocks, o):
-    """The limit surfaces of block o."""
+    """The limit surfaces of a block."""
     k = o + s.B_SURFACE
-    return Surface(load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3))
+    return Surface(
+        load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3), load(blocks, k + 4),
+        load(blocks, k + 5), load(blocks, k + 6),
+    )  # fmt: skip
 
 
 @jit
@@ -143,12 +156,12 @@ def soften(A, gamma):
 
 
 @jit
-def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_stiff, soft_stiff, laws):
+def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, soft, beta_stiff, soft_stiff, laws):
     """Fill block i. ``index`` rows i, i + count, i + 2 count name the bodies a, b and the manifolds of its lanes.
 
     ``beta`` (1/s) and ``soft`` (compliance, a part of the point's own 1/m) of a contact between two bodies that can
-    move; the ``stiff`` ones where one of them cannot. ``laws``: kinds, table and grain, or None where no pair has
-    more than constant coefficients.
+    move; the ``stiff`` ones where one of them cannot. ``corners``: those of faces with more than four. ``laws``: kinds,
+    table and grain, or None where no pair has more than constant coefficients.
     """
     o = i * s.FIELDS
     rows = i + 2 * count
@@ -159,7 +172,7 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     gl = gather(manifolds, index, rows, s.GAP)
     gp = gather(manifolds, index, rows, s.PLACE_U)
     gf = gather(manifolds, index, rows, s.PULL)
-    gm = gather(manifolds, index, rows, s.M_U)
+    gm = gather(manifolds, index, rows, s.EVEN)
     gx = gather(manifolds, index, rows, s.SHIFT)
     gy = gather(manifolds, index, rows, s.ARM_B)
 
@@ -170,20 +183,91 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     store(blocks, o + s.B_SCALE, scale)
     h_scale = h / scale
 
+    # the patch, from the loads of the last substep; an even load where there is none yet
+    zero, one = splat(blocks, 0.0), splat(blocks, 1.0)
+    points = gm[6]
+    here = Four(
+        select(points > 0.5, one, zero), select(points > 1.5, one, zero), select(points > 2.5, one, zero),
+        select(points > 3.5, one, zero),
+    )  # fmt: skip
+    x, y = Four(gp[0], gp[1], gp[2], gp[3]), Four(gp[4], gp[5], gp[6], gp[7])
+    lam = Four(gl[4] * here.a * h_scale, gl[5] * here.b * h_scale, gl[6] * here.c * h_scale, gl[7] * here.d * h_scale)
+    put4(blocks, o + s.B_LOAD, lam)
+    loaded = lam.a + lam.b + lam.c + lam.d > 0.0
+    w = Four(
+        select(loaded, lam.a, here.a), select(loaded, lam.b, here.b),
+        select(loaded, lam.c, here.c), select(loaded, lam.d, here.d),
+    )  # fmt: skip
+    share = 1.0 / greatest(w.a + w.b + w.c + w.d, TINY)
+    px = (w.a * x.a + w.b * x.b + w.c * x.c + w.d * x.d) * share
+    py = (w.a * y.a + w.b * y.b + w.c * y.c + w.d * y.d) * share
+    even = Even(gm[0], gm[1], gm[2], gm[3], gm[4], gm[5])
+    is_round, many = gf[7] > 1.5, (gf[7] > 0.5) & (gf[7] < 1.5)
+    fu, fv, pu, pv = x, y, px, py
+    if laws is not None:
+        prepare_laws(i, blocks, index, count, manifolds, aux, laws)
+        fu, fv = stretched(blocks, o, x, y)
+        pu, pv, even = stretch(blocks, o, px, py, even, is_round)
+    seen = polar_of(fu, fv, pu, pv)
+    if any_of(is_round):
+        seen = choose_polar(is_round, polar_of_ellipse(even, pu, pv), seen)
+    if any_of(many):
+        k, m = gather(corners, index, rows, s.CORNER_U), gather(corners, index, rows, s.CORNER_V)
+        fu, fv = Four(k[0], k[1], k[2], k[3]), Four(m[0], m[1], m[2], m[3])
+        gu, gv = Four(k[4], k[5], k[6], k[7]), Four(m[4], m[5], m[6], m[7])
+        if laws is not None:
+            fu, fv = stretched(blocks, o, fu, fv)
+            gu, gv = stretched(blocks, o, gu, gv)
+        seen = choose_polar(many, polar_of_eight(fu, fv, gu, gv, pu, pv), seen)
+    patch = pressed(seen, even, is_round)
+    size2 = x.a * x.a + x.b * x.b + x.c * x.c + x.d * x.d + y.a * y.a + y.b * y.b + y.c * y.c + y.d * y.d
+    is_face = patch.torque * patch.torque > POINT_TORQUE * POINT_TORQUE * size2
+    torsional = gf[4] / greatest(ga[7], 1e-6)
+    # no mean arm is longer than the root of the sum of the squares of all
+    Tm = select(is_face, least(patch.torque, sqrt(size2)), zero)
+    Tm = sqrt(Tm * Tm + torsional * torsional)
+    # a point has no direction: with torsional resistance it is a small round cap
+    surface = patch.surface
+    store(blocks, o + s.B_SURFACE, select(is_face, surface.au, CAP_A))
+    store(blocks, o + s.B_SURFACE + 1, select(is_face, surface.am, 2.0 * CAP_A))
+    store(blocks, o + s.B_SURFACE + 2, select(is_face, surface.av, CAP_A))
+    store(blocks, o + s.B_SURFACE + 3, select(is_face, surface.bu, CAP_B))
+    store(blocks, o + s.B_SURFACE + 4, select(is_face, surface.bv, CAP_B))
+    store(blocks, o + s.B_SURFACE + 5, select(is_face, surface.su, 0.0))
+    store(blocks, o + s.B_SURFACE + 6, select(is_face, surface.sv, 0.0))
+    store(blocks, o + s.B_TORQUE, Tm)
+    store(blocks, o + s.B_MU_S, ga[6])
+    store(blocks, o + s.B_MU_D, ga[7])
+
+    # everything from here on is in the axes of the pressure
+    c, sn = select(is_face, patch.turn.c, one), select(is_face, patch.turn.s, zero)
+    if laws is not None:
+        # with a grain these axes are those of the scaled forces alone
+        c, sn = keep_scaled(blocks, o, c, sn)
+    store(blocks, o + s.B_TURN, c)
+    store(blocks, o + s.B_TURN + 1, sn)
+    px, py = c * px + sn * py, c * py - sn * px
+    x, y = (
+        Four(c * x.a + sn * y.a, c * x.b + sn * y.b, c * x.c + sn * y.c, c * x.d + sn * y.d),
+        Four(c * y.a - sn * x.a, c * y.b - sn * x.b, c * y.c - sn * x.c, c * y.d - sn * x.d),
+    )
+    store(blocks, o + s.B_CENTER, px)
+    store(blocks, o + s.B_CENTER + 1, py)
+    put4(blocks, o + s.B_U, x)
+    put4(blocks, o + s.B_V, y)
+
     # the frame turns with a; b's copy of it says how far b has turned against a since the manifold was made
     n, u = Ra @ Vec3(ga[0], ga[1], ga[2]), Ra @ Vec3(ga[3], ga[4], ga[5])
     v = cross(n, u)
     nb, ub = Rb @ Vec3(gb[0], gb[1], gb[2]), Rb @ Vec3(gb[3], gb[4], gb[5])
     turned = (cross(n, nb) + cross(u, ub) + cross(v, cross(nb, ub))) * 0.5
+    u, v = u * c + v * sn, v * c - u * sn
     B = columns(n, u, v)
     C = transpose(B)
-    x, y = Four(gp[0], gp[1], gp[2], gp[3]), Four(gp[4], gp[5], gp[6], gp[7])
     shift = dot(n, Vec3(gx[0], gx[1], gx[2]))
     tilt_u, tilt_v = dot(turned, u), dot(turned, v)
     put3(blocks, o + s.B_NORMAL, n)
     put3(blocks, o + s.B_TANGENT, u)
-    put4(blocks, o + s.B_U, x)
-    put4(blocks, o + s.B_V, y)
     put4(
         blocks,
         o + s.B_GAP,
@@ -192,6 +276,9 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
             gl[2] + shift + (tilt_u * y.c - tilt_v * x.c), gl[3] + shift + (tilt_u * y.d - tilt_v * x.d),
         ),
     )  # fmt: skip
+
+    if laws is not None:
+        hold_on(i, blocks, index, count, manifolds, corners, laws, h)
 
     # the manifold's matrix
     ra, rb = C @ Vec3(gx[3], gx[4], gx[5]), C @ Vec3(gy[0], gy[1], gy[2])
@@ -212,12 +299,6 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     put6(blocks, o + s.B_KWW, Sym3(Kww.xx, Kww.xy, Kww.xz, Kww.yy, Kww.yz, Kww.zz))
 
     # the normals' matrix, its compliance and its inverse
-    zero, one = splat(blocks, 0.0), splat(blocks, 1.0)
-    points = gm[6]
-    here = Four(
-        select(points > 0.5, one, zero), select(points > 1.5, one, zero), select(points > 2.5, one, zero),
-        select(points > 3.5, one, zero),
-    )  # fmt: skip
     normal_part = (Kvv.xx, Kwv.yx, Kwv.zx, Kww.yy, Kww.yz, Kww.zz)
     A = point_matrix(normal_part, x, y, here)
     fixed = least(ma, mb) <= 0.0
@@ -226,45 +307,6 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     put10(blocks, o + s.B_INVERSE, inverse_of_points(soften(A, gamma), here))
     put4(blocks, o + s.B_SOFT, gamma)
     store(blocks, o + s.B_BETA, select(fixed, beta_stiff, one * beta))
-
-    # the patch, from the loads of the last substep; an even load where there is none yet
-    lam = Four(gl[4] * here.a * h_scale, gl[5] * here.b * h_scale, gl[6] * here.c * h_scale, gl[7] * here.d * h_scale)
-    put4(blocks, o + s.B_LOAD, lam)
-    store(blocks, o + s.B_MU_S, ga[6])
-    store(blocks, o + s.B_MU_D, ga[7])
-    total = lam.a + lam.b + lam.c + lam.d
-    loaded = total > 0.0
-    w = Four(
-        select(loaded, lam.a, here.a), select(loaded, lam.b, here.b),
-        select(loaded, lam.c, here.c), select(loaded, lam.d, here.d),
-    )  # fmt: skip
-    share = 1.0 / greatest(w.a + w.b + w.c + w.d, TINY)
-    px = (w.a * x.a + w.b * x.b + w.c * x.c + w.d * x.d) * share
-    py = (w.a * y.a + w.b * y.b + w.c * y.c + w.d * y.d) * share
-    Cu = (w.a * (x.a - px) * (x.a - px) + w.b * (x.b - px) * (x.b - px) + w.c * (x.c - px) * (x.c - px)
-          + w.d * (x.d - px) * (x.d - px)) * share  # fmt: skip
-    Cv = (w.a * (y.a - py) * (y.a - py) + w.b * (y.b - py) * (y.b - py) + w.c * (y.c - py) * (y.c - py)
-          + w.d * (y.d - py) * (y.d - py)) * share  # fmt: skip
-    Mu, Mv = pressure_moment(Cu, gm[2], gm[0]), pressure_moment(Cv, gm[3], gm[1])
-    if laws is not None:
-        prepare_laws(i, blocks, index, count, manifolds, aux, laws, h)
-        Mu, Mv = stretch(blocks, o, Mu, Mv)
-    swapped = Mv > Mu
-    q, kappa = arm_of_pressure(select(swapped, Mv, Mu), select(swapped, Mu, Mv))
-    Tm = gm[4] * kappa * sqrt(Mu + Mv)
-    is_face = Tm * Tm > POINT_TORQUE * POINT_TORQUE * (gm[2] + gm[3])
-    Tm = select(is_face, Tm, zero)
-    torsional = gf[4] / greatest(ga[7], 1e-6)
-    Tm = sqrt(Tm * Tm + torsional * torsional)
-    # a point has no direction: with torsional resistance it is a small round cap
-    surface = surface_of(q, swapped, (gm[5] > 0.5) | ~is_face)
-    store(blocks, o + s.B_CENTER, px)
-    store(blocks, o + s.B_CENTER + 1, py)
-    store(blocks, o + s.B_TORQUE, Tm)
-    store(blocks, o + s.B_SURFACE, surface.au)
-    store(blocks, o + s.B_SURFACE + 1, surface.av)
-    store(blocks, o + s.B_SURFACE + 2, surface.bu)
-    store(blocks, o + s.B_SURFACE + 3, surface.bv)
 
     # D K_P D: slip at P is v_u - y w_n, v_v + x w_n; a force there is also a torque x F_v - y F_u at the anchor
     nu, nv, nn = Kwv.xy, Kwv.xz, Kww.xx
@@ -310,8 +352,8 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     store(blocks, o + s.B_LEFT, gy[7])
     belt = Vec3(gy[3], gy[4], gy[5])
     put3(blocks, o + s.B_BELT, Vec3(dot(belt, u), dot(belt, v), zero))
-    store(blocks, o + s.B_DRIFT, gf[6])
-    store(blocks, o + s.B_DRIFT + 1, gy[6])
+    store(blocks, o + s.B_DRIFT, c * gf[6] + sn * gy[6])
+    store(blocks, o + s.B_DRIFT + 1, c * gy[6] - sn * gf[6])
     put4(blocks, o + s.B_TOTAL_LOAD, Four(zero, zero, zero, zero))
     put3(blocks, o + s.B_TOTAL_PULL, Vec3(zero, zero, zero))
     store(blocks, o + s.B_WORK, zero)
@@ -319,17 +361,5 @@ def prepare_block(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_s
     store(blocks, o + s.B_FRESH, gm[7])
     put4(blocks, o + s.B_LIFT, Four(zero, zero, zero, zero))
     store(blocks, o + s.B_ROLLING, gf[5])
-    store(blocks, o + s.B_ROLL, gx[6] * h_scale)
-    store(blocks, o + s.B_ROLL + 1, gx[7] * h_scale)
-
-
-@jit
-def pressure_moment(C, C0, M0):
-    """Second moment of the pressure along one axis from that of the corner loads, C; C0 and M0 for an even load.
-
-    psi is exact for the no-tension linear pressure of a rectangle that is loaded along one axis (docs/design/patch.md).
-    """
-    nu = C / greatest(C0, TINY)
-    root = 1.0 - sqrt(greatest(1.0 - nu, 0.0))
-    psi = select(nu >= 8.0 / 9.0, 3.0 * nu - 2.0, 1.5 * root * root)
-    return greatest(least(M0 * psi, greatest(M0 / greatest(C0, TINY), 1.0 / 3.0) * C), 0.0)
+    store(blocks, o + s.B_ROLL, (c * gx[6] + sn * gx[7]) * h_scale)
+    store(blocks, o + s.B_ROLL + 1, (c * gx[7] - sn * gx[6]) * h_scale)

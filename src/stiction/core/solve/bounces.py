@@ -33,7 +33,7 @@ def collect_impacts(bodies, active, count, manifolds, meta, pose, contacts, tags
     found = 0
     for k in range(count):
         a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
-        if manifolds[row, s.RESTITUTION] <= 0.0:
+        if meta[row, s.RESTITUTION] <= 0.0:
             continue
         xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)

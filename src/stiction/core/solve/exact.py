@@ -181,7 +181,7 @@ def miss_of_block(i, blocks, index, count, rows, h, laws, moved):
     inside = level(stick * unit, surface) <= 1.0
     if not all_of(inside):
         g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, ~inside)
-        stick = choose3(inside, stick, g * limit)
+        stick = choose3(inside, stick, choose3(limit > 0.0, g * limit, pull - pull))
     change = times(F, stick - pull)
     tangential = dot(change, change)
     if laws is not None:

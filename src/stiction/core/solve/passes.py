@@ -41,7 +41,10 @@ def run_passes(
     rounds = count_rounds(sizes, team)
     first, last = share(team, worker, 0, count)
     for i in range(first, last):
-        prepare_block(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff, laws)
+        prepare_block(
+            i, blocks, index, count, manifolds, soft.corners, aux, h, beta, compliance, beta_stiff, compliance_stiff,
+            laws,
+        )  # fmt: skip
     meet(team)
     for r in range(rounds):
         first, last = blocks_of(sizes, r, count, team, worker)

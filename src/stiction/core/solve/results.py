@@ -72,7 +72,8 @@ def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws
     put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
     reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * (arm * scale) + px * fv - py * fu
     manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
-    manifolds[row, s.ROLL] = blocks[o + s.B_ROLL, lane] * rate
-    manifolds[row, s.ROLL + 1] = blocks[o + s.B_ROLL + 1, lane] * rate
+    c, sn = blocks[o + s.B_TURN, lane], blocks[o + s.B_TURN + 1, lane]
+    roll_u, roll_v = blocks[o + s.B_ROLL, lane] * rate, blocks[o + s.B_ROLL + 1, lane] * rate
+    manifolds[row, s.ROLL], manifolds[row, s.ROLL + 1] = c * roll_u - sn * roll_v, sn * roll_u + c * roll_v
     manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
     manifolds[row, s.FRESH] = 0.0
