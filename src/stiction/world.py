@@ -166,8 +166,8 @@ class World(Queries, Accounts):
             angular_velocity: in world axes, (3,), rad/s.
             mass: kg. density: kg/m^3. At most one of them; 1000 kg/m^3 if neither.
             inertia: about the centre of mass in the shape's axes, (3,) or (3, 3), kg m^2; from the shape if left out.
-            center_of_mass: in the shape's frame, (3,), m, for a body that is loaded on one side; with it goes ``inertia``,
-                about that point. From the shape if left out.
+            center_of_mass: in the shape's frame, (3,), m, for a body that is loaded on one side; with it goes
+                ``inertia``, about that point. From the shape if left out.
             material: its name in the world's table.
             name: unique; made from shape and number if left out.
             surface_velocity: of a belt relative to the body, in the shape's axes, (3,), m/s.

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-import numpy as np
-
 import stiction as st
 from stiction.verify.case import Case, Measurement
 from stiction.verify.setups import Array, G, about, make_world, matrix, solver_tolerance, steps_for
@@ -25,8 +23,8 @@ class TippeTop(Case):
     tolerance = "(m g e^2 / J) int |(e3 x e3')_z| dt dt / 2 (J), the same and k e / (r + e) (w); k = 0.05 (cosine)"
     tolerance_reason = (
         "the arm of a contact is held while the body turns during a step, so the load m g acts e e3' dt / 2 away from "
-        "where it should, on average, which changes L . a at the rate m g e^2 (e3 x e3')_z dt / 2; at last it rolls, and "
-        "friction takes away no more of its tilt, so k is a target; with w along e3 it changes w by k e / (r + e)"
+        "where it should, on average, which changes L . a at the rate m g e^2 (e3 x e3')_z dt / 2; at last it rolls, "
+        "and friction takes away no more of its tilt, so k is a target; with w along e3 that changes w by k e / (r + e)"
     )
     solvers = ("soft", "exact")
     RADIUS: ClassVar = 20.0
