@@ -231,7 +231,7 @@ def test_a_loaded_ball_turns_about_its_centre_of_mass(space: st.World) -> None:
 
 
 def test_a_loaded_ball_rocks_with_the_period_of_a_rolling_pendulum() -> None:
-    """T = 2 pi sqrt((I + m (r - e)^2) / (m g e)) for a small swing; a swing of 0.05 rad makes it 2e-4 longer at most."""
+    """T = 2 pi sqrt((I + m (r - e)^2) / (m g e)) for a small swing; one of 0.05 rad makes it 2e-4 longer."""
     r, e, m, inertia = 0.5, 0.2, 3.0, 0.2
     world = st.World()
     world.materials.set_pair("default", "default", static=0.8, dynamic=0.8)

@@ -29,7 +29,7 @@ class BalanceOnAnEdge(Case):
     SECONDS: ClassVar = 1.0
 
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
-        """Below the limit and above it, to both sides; a box that falls is seen before its face lands, at 45 degrees."""
+        """Below the limit and above it, to both sides; one that falls is seen before its face lands, at 45 degrees."""
         rho = self.SIDE / math.sqrt(2.0)
         depth = sink(solver, dt, 3.5)
         for share in (0.5, 0.97, -0.97, 1.2, -1.35):

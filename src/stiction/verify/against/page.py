@@ -74,7 +74,8 @@ def _lines(comparison: Comparison) -> Iterator[str]:
     yield "</div>"
     yield from _map(comparison)
     found = list(honours(comparison))
-    yield "<h2>Where stiction fails, or another engine is better</h2><ul>"
+    yield "<h2>Where stiction fails, or another engine is better</h2>"
+    yield '<p class="lead">Better is what comes nearer to the formula by a tenth of the tolerance or more.</p><ul>'
     for line in found or ["Nowhere in this run."]:
         yield f"<li>{escape(line).replace('**', '<b>', 1).replace('**', '</b>', 1)}</li>"
     yield "</ul><h2>Expected against measured</h2>"

@@ -145,17 +145,16 @@ def _deviations(axes: Axes, comparison: Comparison) -> None:
     axes.grid(True, axis="x", color=GRID, lw=0.6)
     _bare(axes)
     axes.set_xlabel(
-        "(measured - expected) / tolerance: bars from the least variant to the greatest, dots at the median; "
-        "no more than 10⁴ is shown",
+        "(measured - expected) / tolerance; bars: all variants, dots: their median; cut at 10⁴",
         fontsize=9,
         color=INK,
     )
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], color=INKS.get(engine, INK), marker="o", lw=2, ms=5, label=engine) for engine in engines]
-    axes.legend(
-        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.035), ncols=len(engines), frameon=False,
-        fontsize=9, handlelength=1.4, columnspacing=1.2, labelcolor=INK,
+    axes.figure.legend(  # below the axis' own text, however few rows there are
+        handles=handles, loc="outside lower right", ncols=len(engines), frameon=False, fontsize=9, handlelength=1.4,
+        columnspacing=1.2, labelcolor=INK,
     )  # fmt: skip
 
 
