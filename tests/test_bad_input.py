@@ -142,6 +142,18 @@ TABLE: dict[str, list[Row]] = {
             "inertia must be left out for a body that is not dynamic.",
         ),
         Row(
+            "world.add(st.Sphere(1), static=True, center_of_mass=(0, 0, 0.1))",
+            "center_of_mass must be left out for a body that is not dynamic.",
+        ),
+        Row(
+            "world.add(st.Sphere(1), inertia=(1, 1, 1), center_of_mass=(0, 0))",
+            "center_of_mass must have shape (3,), got shape (2,) from (0, 0).",
+        ),
+        Row(
+            "world.add(st.Sphere(1), center_of_mass=(0, 0, 0.1))",
+            "inertia must be given where center_of_mass is, for that of the shape is of its own mass distribution.",
+        ),
+        Row(
             "world.add(st.Sphere(1), material='woood')",
             "material must be one of the 10 in the table, got 'woood' (did you mean 'wood'?).",
         ),

@@ -213,3 +213,39 @@ def test_what_two_bodies_lose_to_each_other_is_shared(solver: str) -> None:
     world.step()
     assert a.friction_work == b.friction_work > 0.0
     assert world.energy().friction == pytest.approx(2.0 * a.friction_work)
+
+
+# --- a centre of mass of its own --------------------------------------------------------------------------------------
+
+
+def test_a_loaded_ball_turns_about_its_centre_of_mass(space: st.World) -> None:
+    ball = space.add(
+        st.Sphere(1.0), mass=2.0, inertia=(1, 1, 1), center_of_mass=(0.5, 0, 0), orientation=QUARTER_TURN,
+        angular_velocity=(0, 0, 3),
+    )  # fmt: skip
+    np.testing.assert_allclose(ball.center_of_mass, (0, 0.5, 0), atol=1e-12)
+    space.step(100)
+    np.testing.assert_allclose(ball.center_of_mass, (0, 0.5, 0), atol=1e-9)
+    angle = math.pi / 2 + 3.0
+    np.testing.assert_allclose(ball.position, (-0.5 * math.cos(angle), 0.5 - 0.5 * math.sin(angle), 0), atol=1e-6)
+
+
+def test_a_loaded_ball_rocks_with_the_period_of_a_rolling_pendulum() -> None:
+    """T = 2 pi sqrt((I + m (r - e)^2) / (m g e)) for a small swing; one of 0.05 rad makes it 2e-4 longer."""
+    r, e, m, inertia = 0.5, 0.2, 3.0, 0.2
+    world = st.World()
+    world.materials.set_pair("default", "default", static=0.8, dynamic=0.8)
+    world.add(st.Plane(), static=True)
+    ball = world.add(
+        st.Sphere(r), mass=m, inertia=(inertia,) * 3, center_of_mass=(0, 0, -e), position=(0, 0, r),
+        orientation=(math.cos(0.025), 0, math.sin(0.025), 0),
+    )  # fmt: skip
+    crossings, before = [], 0.05
+    for k in range(1, 301):
+        world.step()
+        tilt = 2.0 * float(ball.orientation[2])
+        if before > 0.0 >= tilt:
+            crossings.append((k - tilt / (tilt - before)) * world.dt)
+        before = tilt
+    period = (crossings[-1] - crossings[0]) / (len(crossings) - 1)
+    assert period == pytest.approx(2 * math.pi * math.sqrt((inertia + m * (r - e) ** 2) / (m * 9.81 * e)), rel=2e-3)

@@ -57,9 +57,14 @@ def check_mobility(shape: Any, static: Any, kinematic: Any) -> bool:
 
 
 def mass_columns(
-    shape: Shape, fixed: bool, mass: float | None, density: float | None, inertia: ArrayLike | None
+    shape: Shape,
+    fixed: bool,
+    mass: float | None,
+    density: float | None,
+    inertia: ArrayLike | None,
+    center_of_mass: ArrayLike | None = None,
 ) -> dict[int, Any]:
-    """Columns of mass and inertia."""
+    """Columns of mass, centre of mass and inertia."""
     if mass is not None and density is not None:
         raise InvalidInputError(f"mass and density must not both be given, got {mass!r} kg and {density!r} kg/m^3.")
     if mass is not None:
@@ -67,10 +72,18 @@ def mass_columns(
     if density is not None:
         density = checks.positive("density", density, "kg/m^3")
     if fixed:
-        if inertia is not None:
-            raise InvalidInputError("inertia must be left out for a body that is not dynamic.")
+        for name, value in (("inertia", inertia), ("center_of_mass", center_of_mass)):
+            if value is not None:
+                raise InvalidInputError(f"{name} must be left out for a body that is not dynamic.")
         return {}
     properties = shape.mass_properties
+    center = properties.center_of_mass
+    if center_of_mass is not None:
+        center = checks.vector("center_of_mass", center_of_mass)
+        if inertia is None:
+            raise InvalidInputError(
+                "inertia must be given where center_of_mass is, for that of the shape is of its own mass distribution."
+            )
     if mass is not None:
         density = mass / properties.volume
     density = DEFAULT_DENSITY if density is None else density
@@ -79,7 +92,7 @@ def mass_columns(
     return {
         state.MASS: mass,
         state.INVERSE_MASS: 1.0 / mass,
-        state.CENTER: properties.center_of_mass,
+        state.CENTER: center,
         state.INERTIA: tensor,
         state.INVERSE_INERTIA: np.linalg.inv(tensor),
     }

@@ -147,6 +147,7 @@ class World(Queries, Accounts, Journaled):
         mass: float | None = None,
         density: float | None = None,
         inertia: ArrayLike | None = None,
+        center_of_mass: ArrayLike | None = None,
         material: str = "default",
         name: str | None = None,
         surface_velocity: ArrayLike | None = None,
@@ -166,6 +167,8 @@ class World(Queries, Accounts, Journaled):
             angular_velocity: in world axes, (3,), rad/s.
             mass: kg. density: kg/m^3. At most one of them; 1000 kg/m^3 if neither.
             inertia: about the centre of mass in the shape's axes, (3,) or (3, 3), kg m^2; from the shape if left out.
+            center_of_mass: in the shape's frame, (3,), m, for a body that is loaded on one side; with it goes
+                ``inertia``, about that point. From the shape if left out.
             material: its name in the world's table.
             name: unique; made from shape and number if left out.
             surface_velocity: of a belt relative to the body, in the shape's axes, (3,), m/s.
@@ -206,7 +209,7 @@ class World(Queries, Accounts, Journaled):
         direction = None if grain is None else checks.unit_vector("grain", grain)
         if direction is not None and self._solver == "micro":
             raise NotYetError("grain is not there yet with solver 'micro'; solver 'soft' has it.")
-        row.update(mass_columns(shape, fixed, mass, density, inertia))
+        row.update(mass_columns(shape, fixed, mass, density, inertia, center_of_mass))
         bits = checks.layers("layer", layer), checks.layers("mask", mask)
         if not isinstance(sensor, bool):
             raise InvalidInputError(f"sensor must be True or False, got {sensor!r}.")

@@ -18,7 +18,7 @@ from stiction.shapes import Box, Sphere
 from stiction.verify import against
 from stiction.verify.against import COLUMNS, OWN, PEERS, Comparison, Reading, Score, Trial, all_trials, compare
 from stiction.verify.against.page import page
-from stiction.verify.against.plot import colour, figure, ink_on, save
+from stiction.verify.against.plot import colour, deviations, figure, ink_on, save
 from stiction.verify.against.report import cell, honours, markdown, reading, remarks, tolerance
 from stiction.verify.against.trial import follow, stops
 from stiction.verify.against.worker import ask_apart
@@ -260,6 +260,12 @@ def test_it_is_told_as_json_words_and_pages(own: Comparison) -> None:
     assert "<script" not in made
     assert "src=" not in made
     assert "@import" not in made
+    picture = made[made.index("<svg") : made.index("</svg>")]
+    for trial in found.trials:
+        assert trial.name in picture
+        error = cell(trial, found.score(trial.name, OWN))
+        assert error in made
+        assert error not in picture, "errors are in the table above"
 
 
 def test_cells_are_short(own: Comparison) -> None:
@@ -275,6 +281,7 @@ def test_cells_are_short(own: Comparison) -> None:
 def test_pictures_are_drawn(own: Comparison, tmp_path: Path) -> None:
     found = with_others(own)
     assert len(figure(found).axes) == 2
+    assert len(deviations(found).axes) == 1
     save(found, tmp_path / "a.png")
     assert (tmp_path / "a.png").stat().st_size > 10_000
 

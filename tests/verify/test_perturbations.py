@@ -110,7 +110,8 @@ CHANGES: dict[str, tuple[Change, str]] = {
         "stopping-distance thin-sheet spin-down-on-corners threshold-angle incline-sliding incline-sideways "
         "two-coefficients tip-or-slide ladder push-and-release pulled-block belt-drop belt-crossing crate-on-lorry "
         "accelerating-plate slide-to-roll backspin rolling-down oblique-impact billiard-throw "
-        "slide-and-spin-of-a-face spin-down-of-a-face brake-distances wedge sliding-rod",
+        "slide-and-spin-of-a-face spin-down-of-a-face brake-distances wedge sliding-rod "
+        "tyre-curve-brush tyre-curve-magic stribeck-stop",
     ),
     "mu 1 % less": (
         coefficients(static=0.99, dynamic=0.99),
@@ -132,6 +133,9 @@ CHANGES: dict[str, tuple[Change, str]] = {
         "bouncing-ball oblique-impact two-bodies billiard-throw newtons-cradle rod-impact",
     ),
     "rolling resistance 1 % more": (coefficients(rolling=1.01), "rolling-resistance rolling-resistance-on-slope"),
+    "rolling resistance 2 % more": (coefficients(rolling=1.02), "balance-on-an-edge"),
+    "adhesion 2 % more": (coefficients(adhesion=1.02, adhesion_pressure=1.02), "pull-off"),
+    "mu across the grain 1 % more": (coefficients(static_across=1.01, dynamic_across=1.01), "grain-on-slope"),
     "torsional resistance 1 % more": (coefficients(torsional=1.01), "torsional-resistance"),
     "gravity 1 % more": (gravity(1.01), "free-fall bouncing-ball push-to-tip rolling-resistance torsional-resistance"),
     "velocity 1 % more": (
@@ -152,7 +156,7 @@ CHANGES: dict[str, tuple[Change, str]] = {
     ),
     "spins damped by 1e-4 a step": (
         damping(1.0, 0.9999),
-        "spinning-top tumbling-period precession torsional-resistance slide-to-roll-energy",
+        "spinning-top tumbling-period precession torsional-resistance slide-to-roll-energy tippe-top",
     ),
     "energy of an impact grows by 1e-6": (damping(1.0 + 1e-6, 1.0 + 1e-6), "impact-energy"),
     "gravity 10 % more": (gravity(1.1), "sink-of-soft-contacts"),

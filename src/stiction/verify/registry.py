@@ -12,14 +12,17 @@ from stiction.errors import InvalidInputError, IterationLimitWarning, Simulation
 from stiction.verify import (
     cases_driven,
     cases_dynamics,
+    cases_edges,
     cases_faces,
     cases_impact,
+    cases_laws,
     cases_limits,
     cases_motion,
     cases_rolling,
     cases_sliding,
     cases_slopes,
     cases_stacks,
+    cases_tops,
     cases_wedges,
 )
 from stiction.verify.case import Case, Measurement, Result
@@ -96,6 +99,13 @@ CASES: tuple[type[Case], ...] = (
     cases_dynamics.BallsOnABox,
     cases_dynamics.DominoWave,
     cases_dynamics.KaplaTower,
+    cases_laws.StribeckStop,
+    cases_laws.GrainOnSlope,
+    cases_laws.TyreBrush,
+    cases_laws.TyreMagic,
+    cases_laws.PullOff,
+    cases_edges.BalanceOnAnEdge,
+    cases_tops.TippeTop,
 )
 
 

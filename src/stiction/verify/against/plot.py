@@ -66,6 +66,19 @@ def figure(comparison: Comparison) -> Figure:
     return made
 
 
+def deviations(comparison: Comparison) -> Figure:
+    """What was measured about what was expected alone, for a page that has the errors as a table."""
+    from matplotlib.figure import Figure
+
+    rows = len(comparison.trials)
+    made = Figure(figsize=(11.8, 1.4 + 0.30 * rows), layout="constrained", facecolor="white")
+    axes = made.subplots()
+    axes.set_ylim(rows - 0.4, -0.6)
+    axes.set_yticks(range(rows), [trial.name for trial in comparison.trials], fontsize=10, color=INK)
+    _deviations(axes, comparison)
+    return made
+
+
 def save(comparison: Comparison, path: Path) -> None:
     """Write the picture; the ending of the name says the format."""
     figure(comparison).savefig(path, dpi=150)
@@ -105,7 +118,7 @@ def _heat(axes: Axes, comparison: Comparison) -> None:
 
 
 def _deviations(axes: Axes, comparison: Comparison) -> None:
-    """What was measured less what was expected, over the tolerance: a dot for the mean, a bar from end to end."""
+    """What was measured less what was expected, over the tolerance: a dot for the median, a bar from end to end."""
     engines = comparison.engines
     axes.axvspan(-1.0, 1.0, color="#e3f1ec", zorder=0)
     axes.axvline(0.0, color=INK, lw=1.0, zorder=1)
@@ -132,16 +145,16 @@ def _deviations(axes: Axes, comparison: Comparison) -> None:
     axes.grid(True, axis="x", color=GRID, lw=0.6)
     _bare(axes)
     axes.set_xlabel(
-        "(measured - expected) / tolerance, all variants: bars from end to end, dots in the middle",
+        "(measured - expected) / tolerance; bars: all variants, dots: their median; cut at 10⁴",
         fontsize=9,
         color=INK,
     )
     from matplotlib.lines import Line2D
 
     handles = [Line2D([], [], color=INKS.get(engine, INK), marker="o", lw=2, ms=5, label=engine) for engine in engines]
-    axes.legend(
-        handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.035), ncols=len(engines), frameon=False,
-        fontsize=9, handlelength=1.4, columnspacing=1.2, labelcolor=INK,
+    axes.figure.legend(  # below the axis' own text, however few rows there are
+        handles=handles, loc="outside lower right", ncols=len(engines), frameon=False, fontsize=9, handlelength=1.4,
+        columnspacing=1.2, labelcolor=INK,
     )  # fmt: skip
 
 
