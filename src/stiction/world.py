@@ -32,6 +32,7 @@ TOLERANCE = 1e-8
 MOST_STEPS = 10**12
 """Steps of one run at most; more would take years."""
 MOST_THREADS = 256
+NO_LAWS = "laws, grain and adhesion of a pair are not there yet with solver 'micro'; solver 'soft' has them."
 MOBILITIES = ("static", "kinematic", "dynamic")
 
 
@@ -81,9 +82,8 @@ class World(Queries, Accounts):
         self._dt = checks.positive("dt", dt, "s")
         self._solver = DEFAULT_SOLVER if solver is None else checks.one_of("solver", solver, SOLVERS)
         soft, micro = self._solver == "soft", self._solver == "micro"
-        self._substeps = SUBSTEPS[self._solver] if substeps is None else checks.integer("substeps", substeps, minimum=1)
-        if micro and self._substeps != 1:
-            raise NotYetError(f"substeps must be 1 with solver 'micro', got {substeps!r}; use a smaller dt.")
+        default_substeps = SUBSTEPS[self._solver]
+        self._substeps = default_substeps if substeps is None else self._checked_substeps(self._solver, substeps)
         default = "single" if soft else "double"
         precision = default if precision is None else checks.one_of("precision", precision, ("double", "single"))
         if not soft and precision != "double":
@@ -315,11 +315,57 @@ class World(Queries, Accounts):
     def gravity(self, value: ArrayLike) -> None:
         self._gravity = checks.vector("gravity", value)
         self._settings = self._make_settings()
+        self._wake_all()
 
     @property
     def solver(self) -> str:
         """Name of the solver."""
         return self._solver
+
+    @property
+    def substeps(self) -> int:
+        """Parts of a step. Setting it takes effect with the next step."""
+        return self._substeps
+
+    @substeps.setter
+    def substeps(self, value: int) -> None:
+        self._substeps = self._checked_substeps(self._solver, value)
+        self._settings = self._make_settings()
+
+    def set_solver(self, solver: str, *, substeps: int | None = None) -> None:
+        """Go on with another solver from the state as it is; time, energies, bodies and materials stay.
+
+        What the old solver remembered of contacts is gone, its limits are the new one's usual ones, and all bodies are
+        awake. Ask for the world's arrays again afterwards.
+
+        Args:
+            solver: ``"soft"``, ``"micro"`` or ``"exact"``.
+            substeps: parts of a step; the solver's usual number if left out.
+
+        Raises:
+            InvalidInputError: a value is not allowed; the world is as before.
+            NotYetError: the solver does not have what the world needs (sensors, grain, laws); the world is as before.
+        """
+        from stiction.solver_change import move
+
+        solver = checks.one_of("solver", solver, SOLVERS)
+        substeps = SUBSTEPS[solver] if substeps is None else self._checked_substeps(solver, substeps)
+        if solver == "micro" and self.materials.to_array(self._material_names).shape[2] > len(PROPERTIES):
+            raise NotYetError(NO_LAWS)
+        self._store = move(self._store, solver, "single" if solver == "soft" else "double")
+        self._solver, self._substeps, self._iterations = solver, substeps, ITERATIONS[solver]
+        self._micro_literal = False
+        self._settings = self._make_settings()
+        if self._events is not None:
+            self._events = EventLog(self._store)
+
+    @property
+    def awake(self) -> NDArray[np.bool_]:
+        """(n,) whether each body takes part in the simulation, see :attr:`Body.awake`."""
+        kinds = self._store.kinds[: len(self)]
+        awake: NDArray[np.bool_] = kinds[:, self._state.MOBILITY] != self._state.STATIC
+        awake &= kinds[:, self._state.ASLEEP] == 0
+        return awake
 
     @property
     def micro_literal(self) -> bool:
@@ -435,12 +481,24 @@ class World(Queries, Accounts):
         if key != self._table_of:
             table = self.materials.to_array(self._material_names)
             if self._solver == "micro" and table.shape[2] > len(PROPERTIES):
-                raise NotYetError(
-                    "laws, grain and adhesion of a pair are not there yet with solver 'micro'; solver 'soft' has them."
-                )
+                raise NotYetError(NO_LAWS)
+            if self._table_of is not None and self._table_of[:2] != key[:2]:
+                self._wake_all()
             self._table = table
             self._table_of = key
         return self._table
+
+    def _wake_all(self) -> None:
+        """What holds for all has changed: what is at rest may no longer be able to."""
+        for index in range(len(self._bodies)):
+            self._store.edited(index)
+
+    @staticmethod
+    def _checked_substeps(solver: str, value: Any) -> int:
+        substeps = checks.integer("substeps", value, minimum=1)
+        if solver == "micro" and substeps != 1:
+            raise NotYetError(f"substeps must be 1 with solver 'micro', got {value!r}; use a smaller dt.")
+        return substeps
 
     def _material_row(self, material: str) -> int:
         if material not in self._material_names:
