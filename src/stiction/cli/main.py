@@ -16,6 +16,7 @@ from stiction.cli.plot import plot
 from stiction.cli.run import run
 from stiction.cli.scenes import scenes
 from stiction.cli.verify import verify
+from stiction.cli.view import view
 from stiction.cli.warmup import warmup
 from stiction.errors import SimulationError, StictionError, StictionWarning
 
@@ -27,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, plot, scenes, materials, verify, bench, warmup):
+for command in (run, view, plot, scenes, materials, verify, bench, warmup):
     app.command()(command)
 
 

@@ -1,7 +1,7 @@
 """Sessions: what a live view shows and what its buttons do, without any browser.
 
-A session is used from one thread. Whoever shows it calls :meth:`Session.tick` with the wall time that has gone by, asks for a
-frame, and hands on what the reader did.
+A session is used from one thread. Whoever shows it calls :meth:`Session.tick` with the wall time that has gone by, asks
+for a frame, and hands on what the reader did.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,6 +65,7 @@ class Session:
         self.chart: deque[Sample] = deque(maxlen=CHART_SAMPLES)
         self.picked: int | None = None
         self._speed = 1.0
+        self._near: Array | None = None
 
     @property
     def speed(self) -> float:
@@ -112,17 +113,34 @@ class Session:
         force = rows["friction_impulse"][on_b].sum(axis=0) - rows["friction_impulse"][on_a].sum(axis=0)
         return float(np.linalg.norm(force)) / dt
 
-    def pick(self, body: int | None) -> None:
-        """Look at the contacts of this body; the chart then begins anew.
+    def pick(self, body: int | None, near: Array | None = None) -> None:
+        """Look at the contacts of this body, at the one nearest to a point (3,) first; the chart then begins anew.
 
         Raises:
             InvalidInputError: there is no body of that number.
         """
         if body is not None and not 0 <= body < len(self.bodies):
             raise InvalidInputError(f"body must be the number of one of {len(self.bodies)} bodies, got {body!r}.")
+        self._near = None if near is None else checks.vector("near", near)
         if body != self.picked:
             self.picked = body
             self.chart.clear()
+
+    def picked_contact(self, rows: NDArray[Any]) -> Any | None:
+        """Of contact rows the loaded one of the picked body that is nearest to where it was before, or None."""
+        if self.picked is None:
+            return None
+        mine = rows[
+            ((rows["body_a"] == self.picked) | (rows["body_b"] == self.picked)) & (rows["normal_impulse"] > 0.0)
+        ]
+        if not len(mine):
+            return None
+        if self._near is None:
+            row = mine[np.argmax(mine["normal_impulse"])]
+        else:
+            row = mine[np.argmin(np.linalg.norm(mine["point"] - self._near, axis=1))]
+        self._near = row["point"].copy()
+        return row
 
 
 class LiveSession(Session):
@@ -150,7 +168,6 @@ class LiveSession(Session):
         super().__init__(title, body_infos(world))
         self.world = world
         self.grab: Grab | None = None
-        self.changed_coefficients: dict[tuple[str, str], tuple[float, float]] = {}
         self._advance = advance if advance is not None else world.step
         self._restart = restart
         self._clock = clock

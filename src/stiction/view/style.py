@@ -20,6 +20,8 @@ MOTION_COLORS: dict[Motion, str] = {
 }
 """Colour of a body by what it is doing."""
 
+ASLEEP = "#52606d"
+"""Colour of a body that sleeps, in the live view."""
 INK = "#1f2a35"
 """Text, edges of bodies."""
 MUTED_INK = "#5c6873"
