@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from stiction.errors import InvalidInputError
-from stiction.scene import Simulation, load
+from stiction.errors import InvalidInputError, SimulationError
+from stiction.record.frames import Frames
+from stiction.record.recorder import Recorder
+from stiction.scene import Scene, Simulation, load
 from stiction.view.playback import Playback
 from stiction.view.session import LiveSession
 from stiction.world import World
 
 ENDLESS = 1e6
 """s that a scene in a live view goes on for: nobody watches for longer."""
+PREVIEW_FRAMES = 24
+PREVIEW_SECONDS = 1.5
+"""s of wall time that looking ahead may take, kernels that have to be loaded aside."""
 RECORDINGS = (".h5", ".hdf5")
 
 
@@ -41,7 +47,7 @@ def open_scene(name_or_path: str, overrides: Sequence[str] = ()) -> LiveSession:
     Raises:
         InvalidInputError: see :func:`stiction.scene.load`.
     """
-    load(name_or_path, overrides)  # so that a duration that is not allowed is told before it is replaced
+    preview = _preview(load(name_or_path, overrides))
     scene = load(name_or_path, [*overrides, f"duration={ENDLESS:g}"])
 
     def build() -> tuple[World, Callable[[int], None]]:
@@ -49,4 +55,22 @@ def open_scene(name_or_path: str, overrides: Sequence[str] = ()) -> LiveSession:
         return simulation.world, simulation.advance
 
     world, advance = build()
-    return LiveSession(world, scene.title, advance=advance, restart=build)
+    return LiveSession(world, scene.title, advance=advance, restart=build, preview=preview)
+
+
+def _preview(scene: Scene) -> Frames:
+    """Some frames of a scene from its beginning to its end, or as far as it comes in a short time."""
+    simulation = Simulation(scene)
+    recorder = Recorder(simulation.world, scene.title)
+    recorder.capture()
+    stride = max(1, simulation.total_steps // PREVIEW_FRAMES)
+    try:
+        simulation.advance(1)  # loads the kernels, too
+        recorder.capture(force=True)
+        began = time.perf_counter()
+        while not simulation.done and time.perf_counter() - began < PREVIEW_SECONDS:
+            simulation.advance(stride)
+            recorder.capture(force=True)
+    except SimulationError:
+        pass  # it will be told when the world that is shown comes to it
+    return recorder.frames()

@@ -25,7 +25,7 @@ MOST_PAIRS = 16
 MOST_COEFFICIENT = 1.5
 MOST_GRAVITY = 20.0
 MOST_SUBSTEPS = 32
-CHART_HEIGHT = 150
+CHART_HEIGHT = 125
 PLAY, STEP, RESET = "play / pause", "step", "reset"
 
 
@@ -52,16 +52,18 @@ class Panel:
         self._materials: Any = None
         self._presses = 0
         self._gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
+        # docked, it leaves the whole of a smaller picture free
+        self._gui.main_panel.dock_right()
         self._status = self._gui.add_html("")
         self._time: Any = None
         self._add_buttons()
+        self._add_charts()
         if isinstance(session, LiveSession):
             self._add_world(session)
         with self._gui.add_folder("Show", expand_by_default=False):
             for name, label in LAYERS.items():
                 box = self._gui.add_checkbox(label, name in overlays.shown)
                 self._on(box, f"show {name}", self._switch(name))
-        self._add_charts()
 
     # --- parts --------------------------------------------------------------------------------------------------------
 
@@ -154,7 +156,7 @@ class Panel:
         self._materials = self._gui.add_folder("Friction: dynamic and static")
 
     def _add_pairs(self, session: LiveSession) -> None:
-        """A slider with two thumbs for every pair of materials that has touched: the dynamic and the static coefficient."""
+        """A slider with two thumbs for every pair of materials that has touched: dynamic and static coefficient."""
         for pair in session.pairs[len(self._pairs) : MOST_PAIRS]:
             self._pairs.append(pair)
             properties = session.world.materials.pair(*pair)
@@ -190,6 +192,7 @@ class Panel:
                 axes=(axes, {"label": "energy [J]", "size": 52, "labelSize": 16}),  # type: ignore[arg-type]  # TypedDicts as plain ones
                 legend={"live": False},
                 height=CHART_HEIGHT + 30,
+                visible=False,
             )
             self._force = self._gui.add_uplot(
                 (x, x),
@@ -198,6 +201,7 @@ class Panel:
                 axes=(axes, {"label": "friction [N]", "size": 52, "labelSize": 16}),  # type: ignore[arg-type]  # see above
                 legend={"show": False},
                 height=CHART_HEIGHT,
+                visible=False,
             )
 
     # --- what changes -------------------------------------------------------------------------------------------------
@@ -219,6 +223,7 @@ class Panel:
         if session.trouble:
             text += f'<br><b style="color:#c92a2a">{html.escape(session.trouble)}</b>'
         self._status.content = (
+            f"<style>{style.NO_NOTE}</style>"
             f'<div style="font:13px/1.45 {style.FONT_STACK};padding:2px 14px 0;overflow-wrap:anywhere">'
             f"<b>{html.escape(session.title)}</b><br>{_legend(session)}<br>{text}</div>"
         )
@@ -229,6 +234,7 @@ class Panel:
                 np.nan_to_num(column) for column in (t, kinetic, potential - potential[0], dissipated - dissipated[0])
             )
             self._force.data = (t, friction)
+            self._energy.visible = self._force.visible = True
 
     def _on(self, handle: Any, key: str, action: Callable[[Any], None]) -> None:
         """Post an action with the value that a reader has set."""

@@ -38,6 +38,9 @@ REFRESHES = 5.0
 ROOM = 6.0
 """How far around the bodies the first picture reaches at most, in sizes of a typical one, if fixed bodies are there."""
 
+NARROWER = 1.35
+"""How much farther away the reader stands than before the page, since the panel makes the picture narrower."""
+
 log = logging.getLogger("stiction")
 
 
@@ -114,9 +117,11 @@ class Viewer:
         session, server = self.session, self._server
         frames = session.survey_frames()
         seen = survey(frames)
-        if session.live:
+        if len(frames) == 1:
             seen = _with_fixed(frames, seen)
         view = first_view(frames, seen)
+        back = view.look_at + NARROWER * (view.position - view.look_at)
+        view = replace(view, position=back)
         set_stage(server, view)
         self._updates = add_grounds(server, frames, seen, view)
         static = np.array([body.fixed for body in session.bodies])
@@ -189,9 +194,7 @@ class Viewer:
                 with self.lock:
                     before = self._now()
                     self._act(letters)
-                    moved = self._guarded(
-                        lambda: self.session.tick(min(elapsed, 2 * period)) if self.clients else False
-                    )
+                    moved = self.clients > 0 and self._tick(min(elapsed, 2 * period))
                     if moved or letters or self._dirty:
                         self._guarded(self._publish)
                     simulated += max(0.0, self._now() - before)

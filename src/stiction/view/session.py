@@ -21,7 +21,7 @@ from stiction.record.classify import fixed_bodies
 from stiction.record.frames import BodyInfo, Frames
 from stiction.record.recorder import Frame, Recorder, body_infos, capture
 from stiction.view.grab import Grab
-from stiction.world import World
+from stiction.world import MOST_STEPS, World
 
 Array = NDArray[np.float64]
 
@@ -151,6 +151,7 @@ class LiveSession(Session):
         title: of the view.
         advance: takes that many steps of it; ``world.step`` if left out.
         restart: builds the world anew, and gives it and its ``advance``; without it a reset puts the bodies back.
+        preview: frames of the same world that was let run, so that the picture has room for what will happen.
         clock: seconds, for the time that steps cost.
     """
 
@@ -163,6 +164,7 @@ class LiveSession(Session):
         *,
         advance: Callable[[int], None] | None = None,
         restart: Callable[[], tuple[World, Callable[[int], None]]] | None = None,
+        preview: Frames | None = None,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
         super().__init__(title, body_infos(world))
@@ -170,13 +172,14 @@ class LiveSession(Session):
         self.grab: Grab | None = None
         self._advance = advance if advance is not None else world.step
         self._restart = restart
+        self._preview = preview
         self._clock = clock
         self._fixed = fixed_bodies(world)
         self._materials = sorted({body.material for body in self.bodies})
         self._material = np.array([self._materials.index(body.material) for body in self.bodies], np.int64)
         self._pairs: list[tuple[str, str]] = []
         self._due = 0.0
-        self._cost = 0.0
+        self._cost = math.inf
         self._start = capture(world, contacts=False, fixed=self._fixed)
         self._changes: dict[str, Callable[[World], None]] = {}
 
@@ -195,15 +198,21 @@ class LiveSession(Session):
         began = self._clock()
         taken = 0
         while self._due >= 1.0 and self.playing:
-            left = max(elapsed, 1e-3) - (self._clock() - began)
+            called = self._clock()
+            left = max(elapsed, 1e-3) - (called - began)
             if taken and left <= 0.0:
                 break
-            affordable = 1 if self._cost <= 0.0 or not taken else max(1, int(left / self._cost))
-            taken += self._take(1 if self.grab is not None else min(int(self._due), affordable))
-        if taken:
-            spent = (self._clock() - began) / taken
-            self._cost = spent if self._cost == 0.0 else 0.7 * self._cost + 0.3 * spent
+            # a hand pulls anew in every step
+            steps = 1 if self.grab is not None else min(int(self._due), self._affordable(left))
+            taken += self._take(steps)
+            self._cost = (self._clock() - called) / steps
         return taken > 0
+
+    def _affordable(self, seconds: float) -> int:
+        """Steps that there is time for, at least one, by what the last ones took."""
+        if math.isinf(self._cost):
+            return 1
+        return max(1, int(seconds / self._cost)) if self._cost > 0.0 else MOST_STEPS
 
     def _take(self, steps: int) -> int:
         try:
@@ -253,7 +262,9 @@ class LiveSession(Session):
         return frame
 
     def survey_frames(self) -> Frames:
-        """One frame: where the bodies are now."""
+        """The preview, or one frame: where the bodies are now."""
+        if self._preview is not None:
+            return self._preview
         recorder = Recorder(self.world, self.title)
         recorder.capture(force=True)
         return recorder.frames()
