@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,9 @@ from stiction.materials import MaterialTable
 from stiction.pair_properties import PROPERTIES
 from stiction.queries import Queries
 from stiction.shapes import Shape
+
+if TYPE_CHECKING:
+    from stiction.view.server import Viewer
 
 Array = NDArray[np.float64]
 
@@ -424,6 +427,24 @@ class World(Queries, Accounts):
         if wanted > MOST_STEPS:
             raise InvalidInputError(f"seconds must be {MOST_STEPS * self._dt:g} s or less, got {seconds!r}.")
         self.step(max(1, round(wanted)))
+
+    def show(self, *, title: str = "a world", host: str = "127.0.0.1", port: int = 8080) -> Viewer:
+        """A live view of this world in the browser; a notebook shows it in its cell.
+
+        It is paused at first: press play, or keep stepping from here and see what becomes of it. While it plays, step
+        from here only ``with viewer.lock:``, for the view steps, too. ``viewer.stop()`` ends it.
+
+        Args:
+            title: of the view.
+            host: address to listen at; others than this one let other machines in.
+            port: where to listen; if it is taken, at a free port. ``viewer.url`` tells.
+
+        Raises:
+            InvalidInputError: the host is no address of this machine, or the port no number from 0 to 65535.
+        """
+        from stiction.view.show import show
+
+        return show(self, title=title, host=host, port=port)
 
     # --- what happened ------------------------------------------------------------------------------------------------
 

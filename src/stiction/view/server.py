@@ -70,6 +70,7 @@ class Viewer:
         self.host = host
         self.port = int(self._server.get_port())
         frame = session.frame()
+        self._frame = frame
         self._batches = self._put_up(frame)
         self._thread = threading.Thread(target=self._loop, name="stiction view", daemon=True)
         self._thread.start()
@@ -195,7 +196,7 @@ class Viewer:
                     before = self._now()
                     self._act(letters)
                     moved = self.clients > 0 and self._tick(min(elapsed, 2 * period))
-                    if moved or letters or self._dirty:
+                    if moved or letters or self._dirty or self._stepped_elsewhere():
                         self._guarded(self._publish)
                     simulated += max(0.0, self._now() - before)
                     if now - refreshed > 1.0 / REFRESHES:
@@ -203,6 +204,10 @@ class Viewer:
                         then, simulated, refreshed = now, 0.0, now
                         self._guarded(self._refresh)
             self._stopped.wait(max(0.001, period - (time.perf_counter() - now)))
+
+    def _stepped_elsewhere(self) -> bool:
+        """Whether a program has taken steps of the world since the last frame."""
+        return isinstance(self.session, LiveSession) and self.session.world.time != self._frame.time
 
     def _now(self) -> float:
         session = self.session

@@ -57,7 +57,7 @@ LIGHT = 1.6
 OPACITY = 0.85
 """Of moving bodies: enough to see their contacts through them."""
 NO_NOTE = "#webgl-software-rendering { display: none !important; }"
-"""CSS against the player's note that there is no graphics card: it would lie over the scene, which plays all the same."""
+"""CSS against the player's note that there is no graphics card: it would lie over a scene that plays all the same."""
 FONT_STACK = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 """Fonts of the page: whatever the reader's system calls its own, so that nothing is fetched."""
 
