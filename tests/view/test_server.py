@@ -46,7 +46,9 @@ def a_world(count: int = 1) -> st.World:
     world.add(st.Plane(), static=True, material="concrete", name="floor")
     for k in range(count):
         place = (2.0 * (k % 40), 2.0 * (k // 40), 0.5)
-        world.add(st.Box((1, 1, 1)), material="wood", mass=10.0, position=place, name=f"crate {k}")
+        # among many boxes boxes could meet, which takes another kernel
+        shape = st.Box((1, 1, 1)) if count == 1 else st.Sphere(0.5)
+        world.add(shape, material="wood", mass=10.0, position=place, name=f"crate {k}")
     return world
 
 
@@ -65,7 +67,11 @@ def connect(viewer: Viewer, *, greet: bool = True, **options: Any) -> Any:
     from viser._messages import ViewerCameraMessage
 
     client = websockets.connect(
-        f"ws://127.0.0.1:{viewer.port}", subprotocols=[f"viser-v{viser.__version__}"], max_size=None, **options
+        f"ws://127.0.0.1:{viewer.port}",
+        subprotocols=[f"viser-v{viser.__version__}"],
+        max_size=None,
+        ping_interval=None,
+        **options,
     )
     if greet:
         camera = ViewerCameraMessage((1, 0, 0, 0), (5, 5, 5), 0.8, 0.01, 100.0, 480, 640, (0, 0, 0), (0, 0, 1))
@@ -167,13 +173,13 @@ def test_a_client_that_does_not_read_drops_frames_and_costs_no_memory() -> None:
             waiting = len(buffer.message_from_id)
             steps = session.world.steps
             sent = viewer.sent
-            until(lambda: viewer.sent >= sent + 60)
-            # 60 frames later: the world went on, the quick client got news, and nothing piled up for the stuck one
+            until(lambda: viewer.sent >= sent + 30)
+            # 30 frames later: the world went on, the quick client got news, and nothing piled up for the stuck one
             assert session.world.steps > steps
             assert read > 10
             assert len(buffer.message_from_id) <= waiting + 20
             stuck_behind = buffer.message_counter - min(buffer.generator_cursors.values())
-            assert stuck_behind > 60
+            assert stuck_behind > 30
         stuck.close()
 
 
