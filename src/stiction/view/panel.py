@@ -51,6 +51,7 @@ class Panel:
         self._pairs: list[tuple[str, str]] = []
         self._materials: Any = None
         self._presses = 0
+        self._top = 0.0
         self._gui.configure_theme(show_logo=False, show_share_button=False, control_width="medium")
         # docked, it leaves the whole of a smaller picture free
         self._gui.main_panel.dock_right()
@@ -192,6 +193,7 @@ class Panel:
                 axes=(axes, {"label": "energy [J]", "size": 52, "labelSize": 16}),  # type: ignore[arg-type]  # TypedDicts as plain ones
                 legend={"live": False},
                 height=CHART_HEIGHT + 30,
+                padding=(10, 16, 0, 0),
                 visible=False,
             )
             self._force = self._gui.add_uplot(
@@ -201,6 +203,7 @@ class Panel:
                 axes=(axes, {"label": "friction [N]", "size": 52, "labelSize": 16}),  # type: ignore[arg-type]  # see above
                 legend={"show": False},
                 height=CHART_HEIGHT,
+                padding=(10, 16, 0, 0),
                 visible=False,
             )
 
@@ -233,6 +236,11 @@ class Panel:
             self._energy.data = tuple(
                 np.nan_to_num(column) for column in (t, kinetic, potential - potential[0], dissipated - dissipated[0])
             )
+            # from zero: the chart must not blow rounding up to a zigzag
+            top = _above(float(friction.max()))
+            if top != self._top:
+                self._top = top
+                self._force.scales = {"x": {"time": False}, "y": {"range": (0.0, top)}}
             self._force.data = (t, friction)
             self._energy.visible = self._force.visible = True
 
@@ -257,3 +265,11 @@ def _legend(session: Session) -> str:
         colors["asleep"] = style.ASLEEP
     chip = '<span style="white-space:nowrap;margin-right:9px"><span style="color:{}">&#9632;</span> {}</span>'
     return " ".join(chip.format(color, word) for word, color in colors.items())
+
+
+def _above(value: float) -> float:
+    """The next of 1, 2, 5 times a power of ten above a value that is not negative."""
+    if not value > 0.0:
+        return 1.0
+    power = float(10.0 ** math.floor(math.log10(value)))
+    return next(top for top in (power, 2 * power, 5 * power, 10 * power) if top > value)
