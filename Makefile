@@ -6,13 +6,14 @@ BIN := $(VENV)/bin
 PYTHON ?=
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check docs format wheel clean
+.PHONY: help demo test check docs docs-pictures format wheel clean
 
 help:
 	@echo "make demo    run the ramp scene: a table here, out/ramp.html, out/ramp.png and out/ramp.h5"
 	@echo "make test    run every test"
 	@echo "make check   formatting, lint, types and the layers of the package"
 	@echo "make docs    build the documentation into docs/_build/html"
+	@echo "make docs-pictures  take the screenshots in docs/_static anew (needs Chromium)"
 	@echo "make format  format the sources and fix what ruff can fix"
 	@echo "make wheel   build the wheel into dist/ and list what it carries besides Python"
 	@echo "make clean   remove $(VENV) and everything that was built"
@@ -95,6 +96,10 @@ docs: $(VENV)/.installed-docs
 	@echo "[3/3] building the documentation; when the package has changed it draws its figures first ..."
 	@$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html
 	@echo "The documentation is at docs/_build/html/index.html."
+
+docs-pictures: $(VENV)/.installed-dev
+	@echo "[3/3] taking the picture of the live view ..."
+	@$(BIN)/python docs/make_view_picture.py
 
 format: $(VENV)/.installed-dev
 	@$(BIN)/ruff check --fix --exit-zero .

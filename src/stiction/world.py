@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,9 @@ from stiction.pair_properties import PROPERTIES
 from stiction.queries import Queries
 from stiction.shapes import Shape
 
+if TYPE_CHECKING:
+    from stiction.view.server import Viewer
+
 Array = NDArray[np.float64]
 
 SOLVERS = ("micro", "soft", "exact")
@@ -33,6 +36,7 @@ TOLERANCE = 1e-8
 MOST_STEPS = 10**12
 """Steps of one run at most; more would take years."""
 MOST_THREADS = 256
+NO_LAWS = "laws, grain and adhesion of a pair are not there yet with solver 'micro'; solver 'soft' has them."
 MOBILITIES = ("static", "kinematic", "dynamic")
 
 
@@ -82,9 +86,8 @@ class World(Queries, Accounts, Journaled):
         self._dt = checks.positive("dt", dt, "s")
         self._solver = DEFAULT_SOLVER if solver is None else checks.one_of("solver", solver, SOLVERS)
         soft, micro = self._solver == "soft", self._solver == "micro"
-        self._substeps = SUBSTEPS[self._solver] if substeps is None else checks.integer("substeps", substeps, minimum=1)
-        if micro and self._substeps != 1:
-            raise NotYetError(f"substeps must be 1 with solver 'micro', got {substeps!r}; use a smaller dt.")
+        default_substeps = SUBSTEPS[self._solver]
+        self._substeps = default_substeps if substeps is None else self._checked_substeps(self._solver, substeps)
         default = "single" if soft else "double"
         precision = default if precision is None else checks.one_of("precision", precision, ("double", "single"))
         if not soft and precision != "double":
@@ -328,11 +331,57 @@ class World(Queries, Accounts, Journaled):
             self._journal.gravity(gravity)
         self._gravity = gravity
         self._settings = self._make_settings()
+        self._wake_all()
 
     @property
     def solver(self) -> str:
         """Name of the solver."""
         return self._solver
+
+    @property
+    def substeps(self) -> int:
+        """Parts of a step. Setting it takes effect with the next step."""
+        return self._substeps
+
+    @substeps.setter
+    def substeps(self, value: int) -> None:
+        self._substeps = self._checked_substeps(self._solver, value)
+        self._settings = self._make_settings()
+
+    def set_solver(self, solver: str, *, substeps: int | None = None) -> None:
+        """Go on with another solver from the state as it is; time, energies, bodies and materials stay.
+
+        What the old solver remembered of contacts is gone, its limits are the new one's usual ones, and all bodies are
+        awake. Ask for the world's arrays again afterwards.
+
+        Args:
+            solver: ``"soft"``, ``"micro"`` or ``"exact"``.
+            substeps: parts of a step; the solver's usual number if left out.
+
+        Raises:
+            InvalidInputError: a value is not allowed; the world is as before.
+            NotYetError: the solver does not have what the world needs (sensors, grain, laws); the world is as before.
+        """
+        from stiction.solver_change import move
+
+        solver = checks.one_of("solver", solver, SOLVERS)
+        substeps = SUBSTEPS[solver] if substeps is None else self._checked_substeps(solver, substeps)
+        if solver == "micro" and self.materials.to_array(self._material_names).shape[2] > len(PROPERTIES):
+            raise NotYetError(NO_LAWS)
+        self._store = move(self._store, solver, "single" if solver == "soft" else "double")
+        self._solver, self._substeps, self._iterations = solver, substeps, ITERATIONS[solver]
+        self._micro_literal = False
+        self._settings = self._make_settings()
+        if self._events is not None:
+            self._events = EventLog(self._store)
+
+    @property
+    def awake(self) -> NDArray[np.bool_]:
+        """(n,) whether each body takes part in the simulation, see :attr:`Body.awake`."""
+        kinds = self._store.kinds[: len(self)]
+        awake: NDArray[np.bool_] = kinds[:, self._state.MOBILITY] != self._state.STATIC
+        awake &= kinds[:, self._state.ASLEEP] == 0
+        return awake
 
     @property
     def micro_literal(self) -> bool:
@@ -393,6 +442,24 @@ class World(Queries, Accounts, Journaled):
             raise InvalidInputError(f"seconds must be {MOST_STEPS * self._dt:g} s or less, got {seconds!r}.")
         self.step(max(1, round(wanted)))
 
+    def show(self, *, title: str = "a world", host: str = "127.0.0.1", port: int = 8080) -> Viewer:
+        """A live view of this world in the browser; a notebook shows it in its cell.
+
+        It is paused at first: press play, or keep stepping from here and see what becomes of it. While it plays, step
+        from here only ``with viewer.lock:``, for the view steps, too. ``viewer.stop()`` ends it.
+
+        Args:
+            title: of the view.
+            host: address to listen at; others than this one let other machines in.
+            port: where to listen; if it is taken, at a free port. ``viewer.url`` tells.
+
+        Raises:
+            InvalidInputError: the host is no address of this machine, or the port no number from 0 to 65535.
+        """
+        from stiction.view.show import show
+
+        return show(self, title=title, host=host, port=port)
+
     # --- what happened ------------------------------------------------------------------------------------------------
 
     @property
@@ -449,12 +516,24 @@ class World(Queries, Accounts, Journaled):
         if key != self._table_of:
             table = self.materials.to_array(self._material_names)
             if self._solver == "micro" and table.shape[2] > len(PROPERTIES):
-                raise NotYetError(
-                    "laws, grain and adhesion of a pair are not there yet with solver 'micro'; solver 'soft' has them."
-                )
+                raise NotYetError(NO_LAWS)
+            if self._table_of is not None and self._table_of[:2] != key[:2]:
+                self._wake_all()
             self._table = table
             self._table_of = key
         return self._table
+
+    def _wake_all(self) -> None:
+        """What holds for all has changed: what is at rest may no longer be able to."""
+        for index in range(len(self._bodies)):
+            self._store.edited(index)
+
+    @staticmethod
+    def _checked_substeps(solver: str, value: Any) -> int:
+        substeps = checks.integer("substeps", value, minimum=1)
+        if solver == "micro" and substeps != 1:
+            raise NotYetError(f"substeps must be 1 with solver 'micro', got {value!r}; use a smaller dt.")
+        return substeps
 
     def _material_row(self, material: str) -> int:
         if material not in self._material_names:

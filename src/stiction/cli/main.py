@@ -19,6 +19,7 @@ from stiction.cli.run import run
 from stiction.cli.scenes import scenes
 from stiction.cli.sweep import sweep
 from stiction.cli.verify import verify
+from stiction.cli.view import view
 from stiction.cli.warmup import warmup
 from stiction.errors import SimulationError, StictionError, StictionWarning
 
@@ -30,7 +31,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, replay, plot, export, scenes, materials, verify, bench, sweep, warmup):
+for command in (run, view, replay, plot, export, scenes, materials, verify, bench, sweep, warmup):
     app.command()(command)
 
 

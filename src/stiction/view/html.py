@@ -92,8 +92,7 @@ _STYLE = f"""
   body {{ display: flex; flex-direction: column; }}
   #root {{ flex: 1; min-height: 0; }}
   canvas[data-engine] {{ background: linear-gradient({style.SKY_TOP}, {style.SKY_BOTTOM}); }}
-  /* the player's note that there is no graphics card: it would lie over the scene, which plays all the same */
-  #webgl-software-rendering {{ display: none !important; }}
+  {style.NO_NOTE}
   #stiction {{
     flex: none; display: flex; flex-wrap: wrap; align-items: baseline; gap: 4px 32px; padding: 10px 18px;
     font: 14px/1.5 {style.FONT_STACK}; color: {style.INK}; background: {style.PAPER};

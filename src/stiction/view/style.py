@@ -20,6 +20,8 @@ MOTION_COLORS: dict[Motion, str] = {
 }
 """Colour of a body by what it is doing."""
 
+ASLEEP = "#52606d"
+"""Colour of a body that sleeps, in the live view."""
 INK = "#1f2a35"
 """Text, edges of bodies."""
 MUTED_INK = "#5c6873"
@@ -54,6 +56,8 @@ LIGHT = 1.6
 """What a face in middling light sends back of it, were it white; measured in the page."""
 OPACITY = 0.85
 """Of moving bodies: enough to see their contacts through them."""
+NO_NOTE = "#webgl-software-rendering { display: none !important; }"
+"""CSS against the player's note that there is no graphics card: it would lie over a scene that plays all the same."""
 FONT_STACK = "system-ui, -apple-system, 'Segoe UI', Roboto, 'Helvetica Neue', Arial, sans-serif"
 """Fonts of the page: whatever the reader's system calls its own, so that nothing is fetched."""
 
