@@ -110,7 +110,13 @@ def _draw() -> None:
         push[:, direction], push[:, 2] = np.cos(angle), np.sin(angle)
         best = g[(push @ g.T).argmax(axis=1)]
         right.plot(best[:, direction], best[:, 2], color=color, lw=1.5, label=title)
-    right.set(xlabel="force / mu N", ylabel="torque / greatest torque", xlim=(-1.1, 1.1), ylim=(0, 1.25))
+    right.set(
+        xlabel="force / mu N",
+        ylabel="torque / greatest torque",
+        xlim=(-1.1, 1.1),
+        ylim=(0, 1.25),
+        xticks=np.linspace(-1.0, 1.0, 5),
+    )
     right.legend(frameon=False, fontsize=9, title="a slender triangle slides")
     look.title(right, "Friction of a lopsided face (pale: exact)")
     print(look.save(figure, "limit-surface.png"))
