@@ -340,11 +340,12 @@ class World(Queries, Accounts, Journaled):
 
     @property
     def substeps(self) -> int:
-        """Parts of a step. Setting it takes effect with the next step."""
+        """Parts of a step. Setting it takes effect with the next step; not while the world is being recorded."""
         return self._substeps
 
     @substeps.setter
     def substeps(self, value: int) -> None:
+        self._must_not_be_recorded("substeps")
         self._substeps = self._checked_substeps(self._solver, value)
         self._settings = self._make_settings()
 
@@ -359,11 +360,12 @@ class World(Queries, Accounts, Journaled):
             substeps: parts of a step; the solver's usual number if left out.
 
         Raises:
-            InvalidInputError: a value is not allowed; the world is as before.
+            InvalidInputError: a value is not allowed, or the world is being recorded; the world is as before.
             NotYetError: the solver does not have what the world needs (sensors, grain, laws); the world is as before.
         """
         from stiction.solver_change import move
 
+        self._must_not_be_recorded("solver")
         solver = checks.one_of("solver", solver, SOLVERS)
         substeps = SUBSTEPS[solver] if substeps is None else self._checked_substeps(solver, substeps)
         if solver == "micro" and self.materials.to_array(self._material_names).shape[2] > len(PROPERTIES):
@@ -374,6 +376,10 @@ class World(Queries, Accounts, Journaled):
         self._settings = self._make_settings()
         if self._events is not None:
             self._events = EventLog(self._store)
+
+    def _must_not_be_recorded(self, what: str) -> None:
+        if self._journal is not None:
+            raise InvalidInputError(f"{what} must not change while the world is being recorded: a recording has one.")
 
     @property
     def awake(self) -> NDArray[np.bool_]:

@@ -235,3 +235,17 @@ def test_a_recording_of_the_version_before_can_be_compared_frame_by_frame(tmp_pa
         result = recording.check()
         assert (result.differs_at, result.bodies[0].name) == (30, recording.bodies[2].name)
         assert result.bodies[0].position == pytest.approx(0.5)
+
+
+def test_solver_and_substeps_stay_while_a_world_is_recorded(tmp_path: Path) -> None:
+    world = st.World()
+    world.add(st.Sphere(0.5), position=(0, 0, 3))
+    with world.record(tmp_path / "ball.h5"):
+        with pytest.raises(st.InvalidInputError, match="substeps must not change while the world is being recorded"):
+            world.substeps = 4
+        with pytest.raises(st.InvalidInputError, match="solver must not change while the world is being recorded"):
+            world.set_solver("micro")
+        world.step()
+    assert world.substeps == st.World().substeps
+    world.substeps = 4
+    assert world.substeps == 4
