@@ -80,8 +80,8 @@ def draw(problem: Problem, made: Fit, path: str | Path) -> Path:
     motions = problem.simulate(made.x)
     shown = min(MOST_BODIES, len(problem.tracks))
     remark = f"  ({shown} of {len(problem.tracks)} bodies)" if shown < len(problem.tracks) else ""
-    found = ",  ".join(f"{e.parameter.name} = {_value(e.value, e.error)}" for e in made.estimates[:3])
-    more = " …" if len(made.estimates) > 3 else ""
+    found = ",  ".join(f"{e.parameter.name} = {_value(e.value, e.error)}" for e in made.estimates[:2])
+    more = " …" if len(made.estimates) > 2 else ""
     turned = any(track.orientations is not None for track in problem.tracks)
     figure = sheet(f"{problem.scene.title}: measured and fitted{remark}", (max(9.6, 4.2 * shown), 7.6 if turned else 6))
     grid = figure.subplots(
@@ -119,7 +119,8 @@ def draw(problem: Problem, made: Fit, path: str | Path) -> Path:
         Line2D([], [], color=style.INK, lw=1.5, label="simulated"),
     ]
     legend(figure, [*lines, *marks])
-    figure.text(0.985, 0.012, found + more, ha="right", va="bottom", fontsize=10, color=style.INK)
+    if shown == 1:  # beside the name of the only body there is room
+        grid[0, 0].set_title(found + more, loc="right", fontsize=10, color=style.INK)
     return save(figure, path)
 
 

@@ -178,8 +178,11 @@ def descend(search: Search, x: Array, steps: Array, loss: str = "linear", scale:
     return np.asarray(found.x)
 
 
-def settle(search: Search, x: Array, size: Array, total: Callable[[Array], float]) -> Array:
-    """A simplex (Nelder and Mead) of that size (p,) about x, down to a hundredth of it; returns the better of both."""
+def settle(search: Search, x: Array, size: Array, total: Callable[[Array], float], most: int | None = None) -> Array:
+    """A simplex (Nelder and Mead) of that size (p,) about x, down to a hundredth of it; returns the better of both.
+
+    It evaluates ``most`` points, 60 a parameter if left out, and a few more at most.
+    """
     from scipy.optimize import minimize
 
     corners = np.vstack([x, x + np.diag(np.where(x + size <= search.high, size, -size))])
@@ -190,7 +193,7 @@ def settle(search: Search, x: Array, size: Array, total: Callable[[Array], float
         bounds=list(zip(search.low, search.high, strict=True)),
         options={
             "initial_simplex": corners,
-            "maxfev": 60 * len(x),
+            "maxfev": 60 * len(x) if most is None else most,
             "xatol": 0.01 * float(np.min(size)),
             "fatol": 1e-6 * max(total(x), 1e-12),
         },
