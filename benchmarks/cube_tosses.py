@@ -41,8 +41,8 @@ CLEAR = 0.004
 """m above the table that the lowest corner has in free flight at least."""
 STEPS = {"mujoco": 4, "sapien": 4}
 """Steps a sample: MuJoCo's own step is 2 ms; 2 for all others."""
-SIZE, MOST = 0.15, 90
-"""Of the simplex, as a share of the ranges, and points that it may try."""
+EVEN, SIZE, MOST = 32, 0.15, 48
+"""Even points that are tried; size of the simplex as a share of the ranges, and points that it may try."""
 WORLDS = 4
 """Tosses of about the same length share a world, for most of them are at rest long before the longest one is."""
 
@@ -248,7 +248,7 @@ def judge(name: str, tosses: list[Array], begins: list[Array], rng: np.random.Ge
     best = []
     for half in halves:
         search = Search(half)
-        first, second = starts(search, 2, rng)
+        first, second = starts(search, 2, rng, EVEN)
         x = min(first, second, key=search.cost)
         best.append(settle(search, x, SIZE * search.span, search.cost, MOST))
     errors = np.empty((len(tosses), 2))
@@ -294,7 +294,7 @@ def main() -> None:
     parser.add_argument("--starts", default="sample,flight", help="first sample, fitted flight, or both")
     parser.add_argument("--every", type=int, default=1, help="take every so many-th toss only, for a quick look")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--write", action="store_true", help="write the tables into docs/fit.md")
+    parser.add_argument("--write", action="store_true", help="write each table into docs/fit.md as it is finished")
     options = parser.parse_args()
     wanted = options.engines.split(",") if options.engines else ["stiction", *installed()]
     for name in wanted:
@@ -303,7 +303,6 @@ def main() -> None:
     tosses = read(options.data)[:: options.every]
     kinds = {"sample": ("started in the first sample", [toss[0] for toss in tosses])}
     kinds["flight"] = ("started as all samples of the flight say", [flown(toss) for toss in tosses])
-    made = []
     try:
         for kind in options.starts.split(","):
             title, begins = kinds[kind]
@@ -313,13 +312,13 @@ def main() -> None:
                 mean = results[-1].errors.mean(axis=0)
                 print(f"{kind}, {name}: {mean[0]:.4f} widths, {mean[1]:.2f} degrees", end=", ", flush=True)
                 print(f"{results[-1].best.round(5).tolist()} in {results[-1].seconds:.0f} s", flush=True)
-            made += [f"{len(tosses)} tosses, {title}:", "", *table(results), ""]
+            made = "\n".join([f"{len(tosses)} tosses, {title}:", "", *table(results)])
+            print(made)
+            if options.write:
+                write_between("fit.md", f"tosses-{kind}", made)
     except KeyboardInterrupt:
         print("interrupted; what was finished is above.")
         raise SystemExit(130) from None
-    print("\n".join(made))
-    if options.write:
-        write_between("fit.md", "tosses", "\n".join(made))
 
 
 if __name__ == "__main__":

@@ -22,8 +22,8 @@ UNSEEN = 0.5
 """A parameter whose standard error is this share of its range or more is not seen."""
 SAME = 0.01
 """Change of the sum of squares in units of the noise's variance that counts as none."""
-HALVINGS = 14
-"""Of the range, to find where a simulation begins to change."""
+FINE, HALVINGS = 1e-4, 13
+"""What changes within this share of the range is not flat; otherwise so many halvings find where it begins to."""
 STAIR = 0.1
 """Share of the range: what is flat further than that is not a stair but a parameter that is not seen."""
 
@@ -96,6 +96,9 @@ def flat_range(search: Search, x: Array, j: int, noise: float) -> tuple[float, f
         inner, outer = float(x[j]), end
         if inner == outer or same(outer):
             limits.append(outer)
+            continue
+        if not same(inner + FINE * (outer - inner)):
+            limits.append(inner)
             continue
         for _ in range(HALVINGS):
             middle = 0.5 * (inner + outer)

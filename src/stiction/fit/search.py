@@ -133,20 +133,23 @@ class Search:
         return chosen, rough
 
 
-def starts(search: Search, count: int, rng: np.random.Generator) -> list[Array]:
-    """The first values, and the best of points that fill the ranges evenly (Sobol), ``count`` in all."""
+def starts(search: Search, count: int, rng: np.random.Generator, points: int | None = None) -> list[Array]:
+    """The first values, and the best of points that fill the ranges evenly (Sobol), ``count`` in all.
+
+    ``points`` are tried, 16 a parameter if left out, rounded up to a power of two.
+    """
     from scipy.stats import qmc
 
     first = np.array([p.first for p in search.parameters])
     if count == 1:
         return [first]
     p = len(first)
-    wanted = max(count, CANDIDATES * p)
+    wanted = max(count, CANDIDATES * p if points is None else points)
     sobol = qmc.Sobol(p, scramble=True, rng=rng)
-    points = sobol.random_base2(int(np.ceil(np.log2(wanted))))
+    even = sobol.random_base2(int(np.ceil(np.log2(wanted))))
     search.state.phase = "looking around"
     # a little inside the range: at its very ends many a simulation does nothing at all
-    scored = sorted((search.cost(x), k, x) for k, x in enumerate(search.low + (0.02 + 0.96 * points) * search.span))
+    scored = sorted((search.cost(x), k, x) for k, x in enumerate(search.low + (0.02 + 0.96 * even) * search.span))
     chosen = [first]
     for _, _, x in scored:
         apart = min(float(np.max(np.abs(x - other) / search.span)) for other in chosen)
