@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from markers import replace
 
-from stiction.fit import Problem, Track, fit, parse_all
+from stiction.fit import Estimate, Problem, Track, fit, parse_all
 from stiction.fit.report import draw
 from stiction.scene import load
 
@@ -36,9 +36,9 @@ def main() -> None:
     replace(PAGE, "release", _told(made.estimates, made.remarks))
 
 
-def _told(estimates: Iterable, remarks: Iterable[str]) -> Iterable[str]:
-    yield "A crate is pulled harder and harder until it lets go, and released (`pull` with `pushes[0].until=4.2`). The data are"
-    yield f"made up: samples every 0.01 s with {1e3 * NOISE:g} mm of noise."
+def _told(estimates: Iterable[Estimate], remarks: Iterable[str]) -> Iterable[str]:
+    yield "A crate is pulled harder and harder until it lets go, and released (`pull` with `pushes[0].until=4.2`)."
+    yield f"The data are made up: samples every 0.01 s with {1e3 * NOISE:g} mm of noise."
     yield ""
     yield f"![Measured and fitted motion of the crate, and what is left over](_static/{PICTURE.name})"
     yield ""

@@ -38,11 +38,11 @@ def crate_scene(**more: Any) -> Scene:
 
 
 def pulled_scene(**more: Any) -> Scene:
-    """The same crate at rest, pulled with a force of 40 N that grows by 60 N/s until 0.5 s."""
+    """The same crate at rest, pulled with a force of 45 N that grows by 30 N/s until 0.5 s."""
     scene = crate_scene().to_dict()
     scene["bodies"][1]["velocity"] = [0.0, 0.0, 0.0]
-    pull = {"body": "crate", "force": [40.0, 0.0, 0.0], "growth": [60.0, 0.0, 0.0], "until": 0.5}
-    return Scene.from_dict({**scene, "duration": 0.8, "world": {"dt": 0.005}, "pushes": [pull], **more}, "pulled")
+    pull = {"body": "crate", "force": [45.0, 0.0, 0.0], "growth": [30.0, 0.0, 0.0], "until": 0.5}
+    return Scene.from_dict({**scene, "duration": 0.8, "world": {"dt": 0.01}, "pushes": [pull], **more}, "pulled")
 
 
 def made_up(
