@@ -161,3 +161,13 @@ def test_the_figure_shows_a_column_a_body(tmp_path: object) -> None:
     problem = made_up(crate_scene(), [f"{PAIR}.dynamic=0.2:0.5"], [TRUTH], TIMES, 1e-3, 10)
     path = draw(problem, fit(problem, starts=1), Path(str(tmp_path)) / "left.png")
     assert path.stat().st_size > 20_000
+
+
+@pytest.mark.filterwarnings("ignore")  # Optuna's own dependencies warn of one another
+def test_trials_look_around_first() -> None:
+    pytest.importorskip("optuna", reason="trials need Optuna, an extra")
+    problem = made_up(crate_scene(), [f"{DYNAMIC}=0.2:0.5"], [TRUTH], TIMES, 1e-3, 11)
+    phases = set()
+    made = fit(problem, starts=1, trials=5, on_progress=lambda state: phases.add(state.phase))
+    assert "trying (Optuna)" in phases and len(made.ends) == 2
+    assert made.x[0] == pytest.approx(TRUTH, rel=0.01)
