@@ -12,6 +12,7 @@ from stiction import __version__
 from stiction.cli.bench import bench
 from stiction.cli.console import complain
 from stiction.cli.export import export
+from stiction.cli.fit import fit
 from stiction.cli.materials import materials
 from stiction.cli.plot import plot
 from stiction.cli.replay import replay
@@ -31,7 +32,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, view, replay, plot, export, scenes, materials, verify, bench, sweep, warmup):
+for command in (run, view, replay, plot, export, scenes, materials, verify, bench, sweep, fit, warmup):
     app.command()(command)
 
 

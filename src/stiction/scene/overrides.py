@@ -67,6 +67,23 @@ def apply_values(table: SceneTable, values: Mapping[str, Any]) -> SceneTable:
     return validate(data)
 
 
+def value_at(table: SceneTable, path: str) -> Any:
+    """What a scene has at a path; None where it leaves the key out.
+
+    Args:
+        table: a checked scene.
+        path: as in an override.
+
+    Raises:
+        InvalidInputError: the path leads nowhere (the nearest known key is named).
+    """
+    node: Any = table.model_dump(mode="json", by_alias=True)
+    parts = _parts(path)
+    for depth, part in enumerate(parts):
+        node = node[_find(node, part, _join(parts[:depth]), path, table)]
+    return node
+
+
 def _value(text: str) -> Any:
     try:
         parsed = tomllib.loads(f"value = {text}")
