@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction.errors import InvalidInputError
+
 if TYPE_CHECKING:
     from stiction.body import Body
     from stiction.record.writer import RecordingWriter
@@ -47,6 +49,10 @@ class Journaled:
     """The part of :class:`stiction.World` that has a journal."""
 
     _journal: Journal | None = None
+
+    def _must_not_be_recorded(self, what: str) -> None:
+        if self._journal is not None:
+            raise InvalidInputError(f"{what} must not change while the world is being recorded: a recording has one.")
 
     def record(
         self, path: str | Path, *, every: int | None = None, contacts: bool = False, precision: str = "display",

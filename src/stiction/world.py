@@ -352,8 +352,7 @@ class World(Queries, Accounts, Journaled):
     def set_solver(self, solver: str, *, substeps: int | None = None) -> None:
         """Go on with another solver from the state as it is; time, energies, bodies and materials stay.
 
-        What the old solver remembered of contacts is gone, its limits are the new one's usual ones, and all bodies are
-        awake. Ask for the world's arrays again afterwards.
+        The old solver's memory of contacts is gone, limits are the usual ones, all bodies are awake. Ask for arrays again.
 
         Args:
             solver: ``"soft"``, ``"micro"`` or ``"exact"``.
@@ -376,10 +375,6 @@ class World(Queries, Accounts, Journaled):
         self._settings = self._make_settings()
         if self._events is not None:
             self._events = EventLog(self._store)
-
-    def _must_not_be_recorded(self, what: str) -> None:
-        if self._journal is not None:
-            raise InvalidInputError(f"{what} must not change while the world is being recorded: a recording has one.")
 
     @property
     def awake(self) -> NDArray[np.bool_]:
@@ -530,8 +525,7 @@ class World(Queries, Accounts, Journaled):
         return self._table
 
     def _wake_all(self) -> None:
-        """What holds for all has changed: what is at rest may no longer be able to."""
-        for index in range(len(self._bodies)):
+        for index in range(len(self._bodies)):  # what is at rest may no longer be able to
             self._store.edited(index)
 
     @staticmethod

@@ -57,10 +57,13 @@ def test_a_90_percent_interval_holds_the_truth_in_85_to_95_of_100(tabulated: NDA
 def test_push_and_release_gives_both_coefficients_within_one_percent() -> None:
     times = np.arange(0.0, 0.8, 0.01)
     problem = made_up(pulled_scene(), [f"{STATIC}=0.3:0.8", f"{DYNAMIC}=0.2:0.6"], [0.52, 0.37], times, 1e-3, 1)
-    made = fit(problem, starts=1)
+    made = fit(problem, starts=3)
     static, dynamic = made.estimates
     assert static.value == pytest.approx(0.52, rel=0.01) and dynamic.value == pytest.approx(0.37, rel=0.01)
-    assert static.low <= 0.52 <= static.high and dynamic.low <= 0.37 <= dynamic.high
+    # when the crate lets go is known to a step, in which the pull grows by 0.3 N of 98 N
+    stair = 30.0 * 0.01 / (10.0 * 9.81)
+    assert static.low - stair <= 0.52 <= static.high + stair
+    assert dynamic.low - stair <= 0.37 <= dynamic.high + stair
     assert misfit(problem, made)["position"] == pytest.approx(1e-3, rel=0.1)
 
 

@@ -131,6 +131,7 @@ def _apply_text(world: World, text: dict[str, Any]) -> None:
         case "materials":
             world._materials = materials_from(text["rows"])
             world._table_of = None
+            world._wake_all()
         case other:
             raise InvalidInputError(f"input {other!r} of the recording is not known to this version of stiction.")
 
