@@ -352,7 +352,7 @@ class World(Queries, Accounts, Journaled):
     def set_solver(self, solver: str, *, substeps: int | None = None) -> None:
         """Go on with another solver from the state as it is; time, energies, bodies and materials stay.
 
-        The old solver's memory of contacts is gone, limits are the usual ones, all bodies are awake. Ask for arrays again.
+        The old solver's memory of contacts is gone, limits are the usual ones, bodies are awake. Ask for arrays again.
 
         Args:
             solver: ``"soft"``, ``"micro"`` or ``"exact"``.
