@@ -19,10 +19,29 @@ from stiction.scene.validate import validate
 SUFFIX = ".toml"
 
 
+def names_in(package: str) -> list[str]:
+    """Names of the TOML files that a package ships in its folder ``builtin``, in alphabetical order."""
+    folder = resources.files(package).joinpath("builtin")
+    return sorted(file.name.removesuffix(SUFFIX) for file in folder.iterdir() if file.name.endswith(SUFFIX))
+
+
+def text_in(package: str, what: str, name: str) -> str:
+    """One of these files, comments included; ``what`` says what it is.
+
+    Raises:
+        InvalidInputError: there is none of that name; the nearest one is named.
+    """
+    known = names_in(package)
+    if name not in known:
+        raise InvalidInputError(
+            f"{what} must be the path of a TOML file or one of {', '.join(known)}, got {name!r}{nearest(name, known)}."
+        )
+    return resources.files(package).joinpath("builtin", name + SUFFIX).read_text(encoding="utf-8")
+
+
 def builtin_names() -> list[str]:
     """Names of the built-in scenes in alphabetical order."""
-    folder = resources.files("stiction.scene").joinpath("builtin")
-    return sorted(file.name.removesuffix(SUFFIX) for file in folder.iterdir() if file.name.endswith(SUFFIX))
+    return names_in("stiction.scene")
 
 
 def builtin_text(name: str) -> str:
@@ -31,12 +50,7 @@ def builtin_text(name: str) -> str:
     Raises:
         InvalidInputError: there is none of that name; the nearest one is named.
     """
-    known = builtin_names()
-    if name not in known:
-        raise InvalidInputError(
-            f"scene must be the path of a TOML file or one of {', '.join(known)}, got {name!r}{nearest(name, known)}."
-        )
-    return resources.files("stiction.scene").joinpath("builtin", name + SUFFIX).read_text(encoding="utf-8")
+    return text_in("stiction.scene", "scene", name)
 
 
 def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scene:

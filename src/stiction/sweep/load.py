@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ from stiction.checks import nearest
 from stiction.errors import InvalidInputError, StictionWarning
 from stiction.scene import Scene
 from stiction.scene import load as load_scene
-from stiction.scene.load import SUFFIX, is_path, parse, read_text
+from stiction.scene.load import SUFFIX, is_path, names_in, parse, read_text, text_in
 from stiction.scene.model import SceneTable
 from stiction.scene.overrides import apply_overrides, apply_values
 from stiction.scene.placing import place
@@ -72,8 +71,7 @@ class Sweep:
 
 def builtin_names() -> list[str]:
     """Names of the built-in sweeps in alphabetical order."""
-    folder = resources.files("stiction.sweep").joinpath("builtin")
-    return sorted(file.name.removesuffix(SUFFIX) for file in folder.iterdir() if file.name.endswith(SUFFIX))
+    return names_in("stiction.sweep")
 
 
 def builtin_text(name: str) -> str:
@@ -82,12 +80,7 @@ def builtin_text(name: str) -> str:
     Raises:
         InvalidInputError: there is none of that name; the nearest one is named.
     """
-    known = builtin_names()
-    if name not in known:
-        raise InvalidInputError(
-            f"sweep must be the path of a TOML file or one of {', '.join(known)}, got {name!r}{nearest(name, known)}."
-        )
-    return resources.files("stiction.sweep").joinpath("builtin", name + SUFFIX).read_text(encoding="utf-8")
+    return text_in("stiction.sweep", "sweep", name)
 
 
 def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sweep:
