@@ -16,7 +16,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from stiction.sweep import load, make_backend, run_sweep
+from stiction.sweep import Outcome, Sweep, load, make_backend, run_sweep
 
 from .support import SLOW, busiest_to_come, finished, worker_pids
 
@@ -31,6 +31,20 @@ def wait_until(holds: Callable[[], bool]) -> None:
     while not holds():
         assert time.monotonic() < until, "the sweep does not get on"
         time.sleep(0.02)
+
+
+def run_and_kill_a_worker(sweep: Sweep, folder: Path, backend: str) -> Outcome:
+    """The outcome with two workers, one of which is killed once both have finished runs."""
+
+    def kill_one() -> None:
+        wait_until(lambda: busiest_to_come(folder) is not None)
+        os.kill(busiest_to_come(folder) or 0, signal.SIGKILL)
+
+    killer = threading.Thread(target=kill_one)
+    killer.start()
+    outcome = run_sweep(sweep, folder, lambda: make_backend(backend, 2))
+    killer.join()
+    return outcome
 
 
 @contextmanager
@@ -53,15 +67,7 @@ def spec(tmp_path: Path) -> Path:
 
 def test_a_killed_worker_loses_no_finished_run(spec: Path, tmp_path: Path) -> None:
     folder, sweep = tmp_path / "out", load(spec)
-
-    def kill_one() -> None:
-        wait_until(lambda: busiest_to_come(folder) is not None)
-        os.kill(busiest_to_come(folder) or 0, signal.SIGKILL)
-
-    killer = threading.Thread(target=kill_one)
-    killer.start()
-    outcome = run_sweep(sweep, folder, lambda: make_backend("local", 2))
-    killer.join()
+    outcome = run_and_kill_a_worker(sweep, folder, "local")
     assert (outcome.done, outcome.failed, outcome.deaths) == (24, 0, 1)
     assert finished(folder) == {point.run: 1 for point in sweep.points}
     assert len(worker_pids(folder)) == 4, "the driver, two workers, and one for the one that was killed"

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import os
-import signal
-import threading
 from pathlib import Path
 
 import pytest
 
 from stiction.sweep import from_dict, load, make_backend, run_sweep
 
-from .support import SLOW, busiest_to_come, finished, spec
-from .test_kill import wait_until
+from .support import SLOW, finished, spec
+from .test_kill import run_and_kill_a_worker
 
 pytest.importorskip("ray", reason="Ray is an extra of 250 MB that the suite does without: pip install 'stiction[ray]'")
 
@@ -31,14 +28,6 @@ def test_ray_gives_the_rows_that_this_process_gives(tmp_path: Path) -> None:
 def test_a_killed_worker_of_ray_loses_no_finished_run(tmp_path: Path) -> None:
     (tmp_path / "slow.toml").write_text(SLOW)
     folder, sweep = tmp_path / "out", load(tmp_path / "slow.toml")
-
-    def kill_one() -> None:
-        wait_until(lambda: busiest_to_come(folder) is not None)
-        os.kill(busiest_to_come(folder) or 0, signal.SIGKILL)
-
-    killer = threading.Thread(target=kill_one)
-    killer.start()
-    outcome = run_sweep(sweep, folder, lambda: make_backend("ray", 2))
-    killer.join()
+    outcome = run_and_kill_a_worker(sweep, folder, "ray")
     assert (outcome.done, outcome.failed, outcome.deaths) == (24, 0, 1)
     assert finished(folder) == {point.run: 1 for point in sweep.points}
