@@ -108,7 +108,6 @@ def test_what_soft_alone_is_allowed_is_nothing_for_micro() -> None:
         setups.delay("micro", dt),
         setups.begin_error("micro", 3.0, dt),
         setups.lean("micro", dt, 1.0, 1.0),
-        setups.arm_error("micro", dt, 0.1),
         setups.soft_bounce("micro"),
     ):
         assert allowed == 0.0

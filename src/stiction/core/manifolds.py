@@ -16,6 +16,8 @@ from stiction.core import soft_rows as s
 from stiction.core.faces import measure_face, order_points
 from stiction.core.jit import jit
 from stiction.core.state import (
+    CAPSULE,
+    CYLINDER,
     DYNAMIC_MU,
     FEATURE,
     KINEMATIC,
@@ -28,6 +30,8 @@ from stiction.core.state import (
     ROLLING,
     SEPARATION,
     SHAPE,
+    SIZE,
+    SPHERE,
     STATIC_MU,
     SURFACE,
     TORSIONAL,
@@ -159,6 +163,8 @@ def take_points(
     for k in range(1, found):
         center = center + vec3(contacts, k, POINT)
     center = center * (1.0 / found)
+    if found <= 2:
+        center = center + n * to_round_surface(bodies, kinds, a, b, contacts, found)
 
     fresh = meta[row, s.POINTS] == 0
     same = meta[row, s.POINTS] == found
@@ -269,6 +275,31 @@ def take_points(
         manifolds[row, s.LEFT] = 0.0
         manifolds[row, s.ROLL] = manifolds[row, s.ROLL + 1] = 0.0
         put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
+
+
+@jit
+def to_round_surface(bodies, kinds, a, b, contacts, found):
+    """From the middle of a penetration along the normal to where what rolls has its full radius, m.
+
+    Half way a ball would roll on a radius that is short by half of what it sinks. Where both are round, each is short
+    by the same part of its radius.
+    """
+    round_a, round_b = curvature(bodies, kinds, a, found), curvature(bodies, kinds, b, found)
+    if round_a == round_b:
+        return 0.0
+    deep = 0.0
+    for k in range(found):
+        deep = max(deep, -contacts[k, SEPARATION])
+    return 0.5 * deep * (round_a - round_b) / (round_a + round_b)
+
+
+@jit
+def curvature(bodies, kinds, i, found):
+    """Of the side on which body i may roll, 1/m; 0 of what has none, and of a cylinder that stands on its rim."""
+    shape = kinds[i, SHAPE]
+    if shape == SPHERE or shape == CAPSULE or (shape == CYLINDER and found == 2):
+        return 1.0 / bodies[i, SIZE]
+    return 0.0
 
 
 @jit

@@ -15,7 +15,6 @@ from stiction.verify.setups import (
     Array,
     G,
     about,
-    arm_error,
     begin_error,
     delay,
     distance_error,
@@ -181,9 +180,8 @@ class FollowAndDraw(Case):
     tolerance_reason = "the balls touch when the first step begins, and hit before the cloth can act"
     other_tolerance: ClassVar = {
         "soft": (
-            "eps sqrt(t / dt) + u v t / h + v g / (r omega^2)",
-            "as for micro; single precision (u = 2^-24) rounds speeds; and arms on the cloth are short by half of what "
-            "the balls sink, g / omega^2",
+            "eps sqrt(t / dt) + u v t / h",
+            "as for micro; and single precision (u = 2^-24) rounds speeds",
         ),
     }
     RADIUS: ClassVar = 0.03
@@ -206,7 +204,7 @@ class FollowAndDraw(Case):
             ball = world.add(st.Sphere(r), position=(0, 0, r), material="ball")
             steps = steps_for(2.0, dt)
             world.step(steps)
-            slack = speed_error(solver, steps * dt, dt, v) + v * arm_error(solver, dt, r)
+            slack = speed_error(solver, steps * dt, dt, v)
             expected = K / (1.0 + K) * spin * v
             yield Measurement(f"cue ball, {name}", expected, float(cue.velocity[0]), slack, "m/s")
             yield Measurement(f"object ball, {name}", v / (1.0 + K), float(ball.velocity[0]), slack, "m/s")
@@ -278,9 +276,9 @@ class BallsOnABox(Case):
     tolerance_reason = "the box may let go in the second step instead of the first"
     other_tolerance: ClassVar = {
         "soft": (
-            "4 h a + eps sqrt(t / dt) + u v t / h + v g / (r omega^2)",
+            "4 h a + eps sqrt(t / dt) + u v t / h",
             "the push is beyond the limit by less than an eighth, so it lets go up to 4 h late; single precision (u = "
-            "2^-24) rounds speeds; arms of balls are short by half of what they sink",
+            "2^-24) rounds speeds",
         ),
     }
     PUSH: ClassVar = 150.0
@@ -309,7 +307,7 @@ class BallsOnABox(Case):
         f2 = (self.PUSH - 0.4 * (mass + n) * G) / mass / (3.5 + n / mass)
         speed = 3.5 * f2 * t
         late = {"micro": dt, "soft": delay(solver, dt)}.get(solver, dt)
-        slack = 3.5 * f2 * late + speed_error(solver, t, dt, speed) + speed * arm_error(solver, dt, 0.5)
+        slack = 3.5 * f2 * late + speed_error(solver, t, dt, speed)
         yield Measurement("speed of the box after 4 s", speed, float(box.velocity @ direction), slack, "m/s")
         rolled = [float(ball.velocity @ direction) for ball in balls]
         worst = max(rolled, key=lambda x: abs(x - f2 * t))
@@ -327,11 +325,12 @@ class DominoWave(Case):
     source = "dimensional analysis; van Leeuwen, 'The domino effect', Am. J. Phys. 78 (2010)"
     tolerance = "2 %"
     tolerance_reason = (
-        "a target: dt is the only other time, and h sqrt(g / l) is 0.3 % for the smaller ones in soft; but box "
-        "hits box "
-        "many times under way, and hits that come a little earlier or later do not stay a little apart"
+        "a target: dt is the only other time, and h sqrt(g / l) is 0.3 % for the smaller ones in soft; but box hits "
+        "box many times under way, and hits that come a little earlier or later do not stay a little apart, which "
+        "is why several rows are pushed over, each with another speed, and the mean of their waves is taken"
     )
     COUNT: ClassVar = 14
+    PUSHES: ClassVar = (1.1, 1.2, 1.3)
     SMALL: ClassVar = 4.0
     LARGE: ClassVar = 16.0
 
@@ -343,32 +342,36 @@ class DominoWave(Case):
         )
 
     def _speed(self, solver: str, dt: float, length: float) -> float:
-        """Over the dominoes from the fifth on, in sqrt(g l)."""
+        """Mean over the rows, each from its fifth domino on, in sqrt(g l)."""
         world = make_world(solver, dt, static=0.6, dynamic=0.5)
         world.add(st.Plane(), static=True)
         thick, pitch = 0.12 * length, 0.55 * length
-        row = [
-            world.add(st.Box((thick, 0.5 * length, length)), position=(pitch * k, 0, 0.5 * length))
-            for k in range(self.COUNT)
+        rows = [
+            [
+                world.add(st.Box((thick, 0.5 * length, length)), position=(pitch * k, length * i, 0.5 * length))
+                for k in range(self.COUNT)
+            ]
+            for i in range(len(self.PUSHES))
         ]
-        # about its lower edge, hard enough to fall
-        rate = 1.2 * math.sqrt(G / length)
-        row[0].angular_velocity = (0, rate, 0)
-        row[0].velocity = np.cross((0, rate, 0), (-0.5 * thick, 0, 0.5 * length))
-        begun = [math.nan] * self.COUNT
-        last = [0.0] * self.COUNT
+        for row, push in zip(rows, self.PUSHES, strict=True):
+            # about its lower edge, hard enough to fall
+            rate = push * math.sqrt(G / length)
+            row[0].angular_velocity = (0, rate, 0)
+            row[0].velocity = np.cross((0, rate, 0), (-0.5 * thick, 0, 0.5 * length))
+        begun = np.full((len(rows), self.COUNT), math.nan)
+        last = np.zeros_like(begun)
         limit = 0.05
         for k in range(steps_for(25.0 * math.sqrt(length / G), dt)):
             world.step()
-            for i, domino in enumerate(row):
-                tilt = 2.0 * math.atan2(float(domino.orientation[2]), float(domino.orientation[0]))
-                if math.isnan(begun[i]) and tilt > limit:
-                    begun[i] = dt * (k + (limit - last[i]) / (tilt - last[i]))
-                last[i] = tilt
-            if not math.isnan(begun[-1]):
+            turn = np.array([[domino.orientation for domino in row] for row in rows])
+            tilt = 2.0 * np.arctan2(turn[..., 2], turn[..., 0])
+            now = np.isnan(begun) & (tilt > limit)
+            begun[now] = dt * (k + (limit - last[now]) / (tilt[now] - last[now]))
+            last = tilt
+            if not np.isnan(begun[:, -1]).any():
                 break
-        passage = (begun[-1] - begun[4]) / (self.COUNT - 5)
-        return pitch / passage / math.sqrt(G * length)
+        passage = (begun[:, -1] - begun[:, 4]) / (self.COUNT - 5)
+        return float(np.mean(pitch / passage)) / math.sqrt(G * length)
 
 
 class KaplaTower(Case):

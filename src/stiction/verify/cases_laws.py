@@ -17,7 +17,6 @@ from stiction.verify.setups import (
     Array,
     G,
     Slope,
-    arm_error,
     arrival,
     begin_error,
     box_compliance,
@@ -46,11 +45,10 @@ class _TyreCurve(Case):
     """A wheel on a rig that holds speed and spin, so that the slip stays what it is; the rig's force is read."""
 
     solvers = ("soft",)
-    tolerance = "mu'(sigma) (g / (r omega^2) + u v / v) + (eps / dt + u v / h) / g"
+    tolerance = "mu'(sigma) u + sqrt(2) (eps / dt + u v / h) / g"
     tolerance_reason = (
-        "contact is made in the middle of a penetration of g / omega^2 (omega h = 1.3), so the tread goes a share of "
-        "g / (r omega^2) slower at most, which is slip; and what the rig must add in a step is known to the solver's "
-        "tolerance and to what single precision (u = 2^-24) makes of the speed v in each substep"
+        "the slip is known to single precision (u = 2^-24), and what the rig must add in a step, in each of two "
+        "directions, to the solver's tolerance and to what that precision makes of the speed v in each substep"
     )
     PEAK: ClassVar = 0.9
     SPEED: ClassVar = 20.0
@@ -74,16 +72,15 @@ class _TyreCurve(Case):
             along = np.array([*slip, 0.0]) / size
             force = self._rig(solver, dt, np.array(slip))
             slope = abs(self.curve(size + d) - self.curve(size - d)) / (2.0 * d)
-            slack = slope * (arm_error(solver, dt, self.RADIUS) + 2.0**-24)
-            slack += (solver_tolerance(solver) + rounding(solver, v, dt, dt)) / (G * dt)
+            slack = slope * 2.0**-24 + math.sqrt(2.0) * (solver_tolerance(solver) + rounding(solver, v, dt, dt)) / (
+                G * dt
+            )
             how = f"slip ({slip[0]:g}, {slip[1]:g})"
             yield Measurement(
                 f"force against the slip over load, {how}", self.curve(size), -float(force @ along), slack
             )
             across = float(force[1] * along[0] - force[0] * along[1])
-            # a slip that is off by as much as above points elsewhere by that over its size
-            aside = slack + self.curve(size) * arm_error(solver, dt, self.RADIUS) / size
-            yield Measurement(f"force across the slip over load, {how}", 0.0, across, aside)
+            yield Measurement(f"force across the slip over load, {how}", 0.0, across, slack)
 
     def _rig(self, solver: str, dt: float, slip: Array) -> Array:
         """Friction over load (3,): minus the force that keeps a wheel at its speed, found step after step.

@@ -13,7 +13,6 @@ from stiction.verify.case import Case, Measurement
 from stiction.verify.setups import (
     G,
     Slope,
-    arm_error,
     arrival,
     begin_error,
     delay,
@@ -28,10 +27,7 @@ from stiction.verify.setups import (
 LAWS = "Newton's second law and Coulomb's law"
 K = 0.4
 """I / (m r^2) of a solid sphere."""
-SHORT_ARM = (
-    "contact is made in the middle of a penetration of g / omega^2 (omega h = 1.3), so I / (m r^2) is off by a share "
-    "of g / (r omega^2); and single precision (u = 2^-24) rounds velocities in each substep, the same way"
-)
+ROUNDED = "as for micro, and single precision (u = 2^-24) rounds velocities in each substep, the same way"
 
 
 def _ball(world: st.World, radius: float, **state: object) -> st.Body:
@@ -54,9 +50,9 @@ class SlideToRoll(Case):
     )
     other_tolerance: ClassVar = {
         "soft": (
-            "e + v0 g / (r omega^2) (speed), that over mu_d g (time), mu_d g h^2 / 8 and that times t (distance); "
+            "e (speed), that over mu_d g (time), mu_d g h^2 / 8 and that times t (distance); "
             "e = eps sqrt(t / dt) + u v0 t / h",
-            SHORT_ARM,
+            ROUNDED,
         ),
     }
     SPEED: ClassVar = 7.0
@@ -79,7 +75,7 @@ class SlideToRoll(Case):
             if not began and slip[-1] < 1e-3 * v0:
                 began = k
         eps = speed_error(solver, dt, dt)
-        short = v0 * arm_error(solver, dt, r) + rounding(solver, v0, roll, dt)
+        short = rounding(solver, v0, roll, dt)
         v = v0 / (1.0 + K)
         yield Measurement("speed when rolling", v, float(ball.velocity @ direction), eps + short, "m/s")
         spin = float(ball.angular_velocity @ np.cross((0.0, 0.0, 1.0), direction))
@@ -103,8 +99,8 @@ class Backspin(Case):
     tolerance_reason = "one contact is resolved at once, so only the solver's tolerance is left"
     other_tolerance: ClassVar = {
         "soft": (
-            "e + V g / (r omega^2) (speed), that over mu_d g (time); e = eps sqrt(t / dt) + u V t / h, V = v0 + r w0",
-            SHORT_ARM,
+            "e (speed), that over mu_d g (time); e = eps sqrt(t / dt) + u V t / h, V = v0 + r w0",
+            ROUNDED,
         ),
     }
     SPEED: ClassVar = 2.0
@@ -124,7 +120,7 @@ class Backspin(Case):
                 world.step()
                 slip.append(float(ball.velocity[0] - r * ball.angular_velocity[1]))
             eps = speed_error(solver, dt, dt)
-            short = slip[0] * arm_error(solver, dt, r) + rounding(solver, slip[0], roll, dt)
+            short = rounding(solver, slip[0], roll, dt)
             v = (1.0 - K * ratio) * v0 / (1.0 + K)
             what = f"r w0 = {ratio:g} v0"
             yield Measurement(f"speed when rolling, {what}", v, float(ball.velocity[0]), eps + short, "m/s")
@@ -147,9 +143,9 @@ class RollingDown(Case):
     tolerance_reason = "constant forces are integrated exactly, which leaves the solver's tolerance"
     other_tolerance: ClassVar = {
         "soft": (
-            "e + v g / (r omega^2) + 4 h |a' - a| (speeds), that times t (distance); e = eps sqrt(t / dt) + u v t / "
+            "e + 4 h |a' - a| (speeds), that times t (distance); e = eps sqrt(t / dt) + u v t / "
             "h, a' the acceleration by the other formula",
-            SHORT_ARM + "; and just above the threshold the ball rolls for up to 4 h until it is seen to slip",
+            ROUNDED + "; and just above the threshold the ball rolls for up to 4 h until it is seen to slip",
         ),
     }
     MU: ClassVar = 0.2
@@ -173,7 +169,7 @@ class RollingDown(Case):
             rolls = tan < limit
             a, spin_up = (pull / (1.0 + K),) * 2 if rolls else (pull - grip, grip / K)
             how = f"tan(theta) = {tan:.4g} ({'rolls' if rolls else 'slips'})"
-            eps = speed_error(solver, t, dt, max(a, spin_up) * t) + a * t * arm_error(solver, dt, r)
+            eps = speed_error(solver, t, dt, max(a, spin_up) * t)
             if limit < tan < 1.05 * limit:
                 rolling = pull / (1.0 + K)
                 eps += delay(solver, dt) * max(abs(rolling - a), abs(rolling - spin_up))
@@ -195,8 +191,8 @@ class SlowRoll(Case):
     tolerance_reason = "nothing acts along the floor, which leaves the solver's tolerance"
     other_tolerance: ClassVar = {
         "soft": (
-            "e + v0 g / (r omega^2) (speed), that times t (distance); e = eps sqrt(t / dt) + u v0 t / h",
-            SHORT_ARM,
+            "e (speed), that times t (distance); e = eps sqrt(t / dt) + u v0 t / h",
+            ROUNDED,
         ),
     }
     SPEED: ClassVar = 1e-3
@@ -211,7 +207,7 @@ class SlowRoll(Case):
         steps = steps_for(self.SECONDS, dt)
         t = steps * dt
         world.step(steps)
-        slack = speed_error(solver, t, dt, v) + v * arm_error(solver, dt, r)
+        slack = speed_error(solver, t, dt, v)
         yield Measurement("speed", v, float(ball.velocity[0]), slack, "m/s")
         yield Measurement("distance", v * t, float(ball.position[0]), slack * t, "m")
 
@@ -227,9 +223,8 @@ class RollingResistance(Case):
     tolerance_reason = "the ball stops within a step, not at its end; and the solver's tolerance enters in every step"
     other_tolerance: ClassVar = {
         "soft": (
-            "a h dt / 2 + t (e + v g / (r omega^2)) (distance), (e + v g / (r omega^2)) / a (time); e = eps sqrt(t / "
-            "dt) + u v t / h",
-            SHORT_ARM,
+            "a h dt / 2 + t e (distance), e / a (time); e = eps sqrt(t / dt) + u v t / h",
+            ROUNDED,
         ),
     }
     SPEED: ClassVar = 1.5
@@ -248,7 +243,7 @@ class RollingResistance(Case):
         for _ in range(steps_for(1.2 * stop, dt)):
             world.step()
             speeds.append(float(np.linalg.norm(ball.velocity)))
-        eps = speed_error(solver, stop, dt, v) + v * arm_error(solver, dt, r)
+        eps = speed_error(solver, stop, dt, v)
         d = float(ball.position @ direction)
         within_step = a * dt * dt / 8.0 if solver == "micro" else begin_error(solver, a, dt)
         yield Measurement("distance", 0.5 * v * v / a, d, within_step + eps * stop, "m")
@@ -268,9 +263,8 @@ class RollingResistanceOnSlope(Case):
     )
     other_tolerance: ClassVar = {
         "soft": (
-            "2 eps t (held), t (eps sqrt(t / dt) + u v t / h) + (g sin(theta) + g (delta / r) cos(theta)) g t^2 / (2 "
-            "r omega^2) (rolling)",
-            SHORT_ARM + "; near the threshold the acceleration is a small difference of two that are off by that share",
+            "2 eps t (held), t (eps sqrt(t / dt) + u v t / h) (rolling)",
+            ROUNDED,
         ),
     }
     DELTA: ClassVar = 0.02
@@ -295,8 +289,7 @@ class RollingResistanceOnSlope(Case):
                 yield Measurement(what, 0.0, d, 2.0 * speed_error(solver, dt, dt) * t, "m")
             else:
                 a = G * (math.sin(slope.angle) - c * math.cos(slope.angle)) / (1.0 + K)
-                both = G * (math.sin(slope.angle) + c * math.cos(slope.angle))
-                slack = distance_error(solver, t, dt, a * t) + 0.5 * both * t * t * arm_error(solver, dt, self.RADIUS)
+                slack = distance_error(solver, t, dt, a * t)
                 yield Measurement(what, 0.5 * a * t * t, d, slack, "m")
 
 

@@ -150,14 +150,6 @@ def box_compliance(size: Sequence[float]) -> float:
     return 0.25 * (1.0 + 3.0 * x * x / (x * x + z * z) + 3.0 * y * y / (y * y + z * z))
 
 
-def arm_error(solver: str, dt: float, radius: float) -> float:
-    """By which share I / (m r^2) of a ball on the floor may be off, and so at most what follows from it.
-
-    Contact is made in the middle of the penetration s, and so r is short by s / 2.
-    """
-    return sink(solver, dt) / radius if solver == "soft" else 0.0
-
-
 def soft_bounce(solver: str) -> float:
     """Restitution that is left where there should be none.
 

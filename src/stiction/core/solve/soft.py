@@ -19,7 +19,7 @@ from stiction.core.friction.laws import follow_slip, real_force, scaled_slip
 from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slide, times
 from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, scatter, select, size_of, store
+from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, scatter, select, size_of, sqrt, store
 from stiction.core.solve.blocks import get3, get4, get6, put3, put4, surface_at, vectors_of
 from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
 from stiction.core.vec import Vec3, columns, cross, dot, transpose
@@ -226,7 +226,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
     surface = surface_at(blocks, o)
     mu_s, mu_d = load(blocks, o + s.B_MU_S), load(blocks, o + s.B_MU_D)
     if exact is None:
-        mu_d = dynamic_now(blocks, o, mu_s, mu_d)
+        mu_d = dynamic_now(blocks, o, mu_d)
     rigid, left0 = load(blocks, o + s.B_RIGID), load(blocks, o + s.B_LEFT)
     belt = get3(blocks, o + s.B_BELT)
     drift = Vec3(load(blocks, o + s.B_DRIFT) * h, load(blocks, o + s.B_DRIFT + 1) * h, belt.z)
@@ -452,22 +452,25 @@ def decide_state(blocks, o, sliding, inside, excess):
     """Stuck or sliding, from the whole patch: stuck until force and torque together exceed the static limit surface for
     a few substeps running, sliding until the dynamic one would not be reached.
 
-    A patch that lets go has been held for these substeps too long, and is owed them (:func:`dynamic_now`).
+    A patch that lets go has been held for these substeps too long. What was held beyond the dynamic limit, in units of
+    its load, is owed to it as a negative OVER, and given back by :func:`dynamic_now` in as few substeps as it takes.
     """
     before = load(blocks, o + s.B_OVER)
     zero = before - before
     over = select(excess > 1.0, greatest(before, zero) + 1.0, zero)
     state = select(sliding, select(inside, zero, zero + 1.0), select(over >= PATIENCE, zero + 1.0, zero))
-    owed = select(sliding, select(before > 0.0, -before, least(before + 1.0, zero)), -over)
+    mu_s, mu_d = load(blocks, o + s.B_MU_S), load(blocks, o + s.B_MU_D)
+    held = select(sliding, greatest(before, zero), over)
+    debt = held * greatest(sqrt(least(excess, OVERLOAD)) * mu_s - mu_d, zero)
+    owed = select(sliding & (before <= 0.0), least(before + mu_d, zero), -debt)
     store(blocks, o + s.B_STATE, state)
     store(blocks, o + s.B_OVER, select(state > 0.5, owed, over))
 
 
 @jit
-def dynamic_now(blocks, o, mu_s, mu_d):
-    """The dynamic coefficient, less where substeps with the static one are owed: for as many of them the mean of both
-    is the dynamic one again."""
-    return select(load(blocks, o + s.B_OVER) < 0.0, greatest(2.0 * mu_d - mu_s, 0.0), mu_d)
+def dynamic_now(blocks, o, mu_d):
+    """The dynamic coefficient, less what is owed."""
+    return greatest(mu_d + least(load(blocks, o + s.B_OVER), 0.0), 0.0)
 
 
 @jit
