@@ -29,9 +29,12 @@ from stiction.wheels import VehicleWork, Wheel, WheelState, four_wheels
 from stiction.world import World
 
 if TYPE_CHECKING:
+    from stiction.batch import Batch, BatchState
     from stiction.record.recording import Recording
 
 __all__ = [
+    "Batch",
+    "BatchState",
     "Body",
     "Box",
     "BrushTyre",
@@ -76,6 +79,10 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Names whose packages are heavy, when they are first asked for."""
+    if name in {"Batch", "BatchState"}:
+        from stiction import batch
+
+        return getattr(batch, name)
     if name == "Recording":
         from stiction.record.recording import Recording
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stiction import checks
 from stiction.body import Body
-from stiction.contacts import CONTACT_DTYPE
+from stiction.contacts import contact_rows
 from stiction.errors import IterationLimitWarning, NotYetError
 from stiction.hashing import STATE_WIDTH, state_hash
 from stiction.reports import Energy, SolverReport
@@ -51,21 +51,11 @@ class Accounts:
         """
         if body is not None:
             self._own("body", body)
-        state, store = self._state, self._store
+        store = self._store
         store.collect_contacts()
-        numbers, tags = store.contacts[: store.m], store.tags[: store.m]
-        keep = (numbers[:, state.TOTAL] > 0.0) | (numbers[:, state.SEPARATION] <= 1e-5)
+        rows = contact_rows(store.contacts[: store.m], store.tags[: store.m])
         if body is not None:
-            keep &= (tags[:, state.BODY_A] == body.index) | (tags[:, state.BODY_B] == body.index)
-        numbers, tags = numbers[keep], tags[keep]
-        rows = np.zeros(len(numbers), CONTACT_DTYPE)
-        rows["body_a"], rows["body_b"] = tags[:, state.BODY_A], tags[:, state.BODY_B]
-        rows["point"] = numbers[:, state.POINT : state.POINT + 3]
-        rows["normal"] = numbers[:, state.NORMAL : state.NORMAL + 3]
-        rows["separation"] = numbers[:, state.SEPARATION]
-        rows["normal_impulse"] = numbers[:, state.TOTAL]
-        rows["friction_impulse"] = numbers[:, state.TOTAL_FRICTION : state.TOTAL_FRICTION + 3]
-        rows["sticking"] = (numbers[:, state.TOTAL] > 0.0) & (tags[:, state.STATUS] & state.SLIDING != state.SLIDING)
+            rows = rows[(rows["body_a"] == body.index) | (rows["body_b"] == body.index)]
         return rows
 
     def energy(self) -> Energy:

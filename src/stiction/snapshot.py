@@ -6,6 +6,7 @@ are kept as they are.
 
 from __future__ import annotations
 
+import copy
 import json
 from typing import Any
 
@@ -27,7 +28,7 @@ SCRATCH = {
 are so in the soft solver only, which has manifolds besides; ``micro`` has nothing else to answer with."""
 NOT_KEPT = {
     "crew", "dtype", "_one", "_exact", "_table", "_written", "_bounces", "_rolls", "_laws", "_edited", "_tree_is_fresh",
-    "cycles", "seconds", "hulls",
+    "_outcome", "cycles", "seconds", "hulls",
 }  # fmt: skip
 """Attributes of a store that follow from the others, or from the settings and materials of its world."""
 ACROSS = {"scratch.bodies", "cache.lists"}
@@ -106,6 +107,24 @@ def put(world: World, snapshot: Snapshot) -> None:
     world._gravity = np.array(beside["gravity"])
     world._settings = world._make_settings()
     world._events = None
+
+
+def copy_of(world: World) -> World:
+    """A world of its own that goes on from here to the last bit, with a table of materials of its own.
+
+    Events, recordings and views stay with the old one.
+    """
+    other = World(**settings_of(world), materials=copy.deepcopy(world.materials))
+    for body in world:
+        other.add(
+            body.shape,
+            static=body.mobility == "static",
+            kinematic=body.mobility == "kinematic",
+            material=body.material,
+            name=body.name,
+        )
+    put(other, take(world))
+    return other
 
 
 def settings_of(world: World) -> dict[str, Any]:

@@ -46,6 +46,7 @@ class SoftStore(Store):
         self.seconds = 0.0
         self._table: Array | None = None
         self._one = self.dtype(1.0)
+        self._outcome = np.zeros((1, soft_entry.OUTCOME_WIDTH), np.int64)
         self._written: tuple[tuple[int, ...], tuple[Any, ...], NDArray[np.int64]] = (), (), NOTHING_WRITTEN
         self._bounces = False
         self._rolls: int | None = None
@@ -85,7 +86,7 @@ class SoftStore(Store):
             self._rolls = 1 if self._exact or self._laws or table[:, :, state.ROLLING].any() else None
         announce_compilation()
         while left:
-            reason, done, number = self._take(min(left, max(1, CHUNK // self.n)), settings, table)
+            done, reason, number = self._take(min(left, max(1, CHUNK // self.n)), settings, table)
             self.steps += done
             left -= done
             if reason == soft_step.MORE_PAIRS:
@@ -132,23 +133,27 @@ class SoftStore(Store):
         )
 
     def _take(self, steps: int, settings: state.Settings, table: Array) -> Any:
-        """Call the kernel: its reason to return, how many steps it took, and a number that goes with the reason."""
+        """Call the kernel: how many steps it took, its reason to return, and a number that goes with the reason."""
         # the exact solver is for small worlds: fewer variants of the step are worth more to it than their speed
         boxes_meet = 1 if self._exact or (self.boxes > 1 and self.dynamic_boxes) else None
         hulls = self.hulls.arrays if self.polytopes else None
         bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if self._bounces else ()
         if jit.config.DISABLE_JIT:
-            return soft_step.take_steps(
+            reason, done, number = soft_step.take_steps(
                 steps, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
                 settings, self.ledger, self.cycles, boxes_meet, hulls, bounces or None, self._rolls, self._laws,
                 self._exact, None,
             )  # fmt: skip
+            return done, reason, number
+        outcome = self._outcome
+        outcome[0, soft_entry.TAKEN] = 0
         given = (
-            steps, self.n, self._book(table, settings, bounces), self._one, boxes_meet, 1 if hulls else None,
-            1 if bounces else None, self._rolls, self._laws, self._exact,
+            steps, self.n, self._book(table, settings, bounces), 0, 1, outcome, self._one, boxes_meet,
+            1 if hulls else None, 1 if bounces else None, self._rolls, self._laws, self._exact,
         )  # fmt: skip
         if self.crew.threads == 1:
-            return soft_entry.soft_step(*given, None)
+            soft_entry.soft_step(*given, None)
+            return outcome.tolist()[0]
         shared = Arrays(
             self.bodies,
             self.kinds,
@@ -161,7 +166,8 @@ class SoftStore(Store):
             self._rolls,
             self._laws,
         )
-        return self.crew.lead(functools.partial(soft_entry.soft_step, *given), shared)
+        self.crew.lead(functools.partial(soft_entry.soft_step, *given), shared)
+        return outcome.tolist()[0]
 
     def _book(self, table: Array, settings: state.Settings, bounces: tuple[Any, ...]) -> NDArray[np.int64]:
         """Where all arrays are that a step needs, written anew if one of them was replaced.
@@ -174,8 +180,9 @@ class SoftStore(Store):
         )  # fmt: skip
         names = tuple(map(id, parts))
         if names != self._written[0]:
-            book, numbers = soft_entry.book_of(*parts)
-            self._written = names, (*parts, numbers), book
+            numbers = np.array(settings, np.float64)
+            written = (*parts[:3], numbers, *parts[4:])
+            self._written = names, (parts, numbers), soft_entry.book_of(*written)
         return self._written[2]
 
     def __getstate__(self) -> dict[str, Any]:

@@ -3,12 +3,15 @@
 Numba unboxes every array of an argument at each call: 0.2 us each, several times what the step of one body takes. So
 the store writes down once where its arrays are, and the kernel makes them up again. Such an array owns nothing, and no
 references to it are counted: who keeps the book keeps what is in it, and writes another one when an array is replaced.
+
+One book also serves many worlds that are alike: where each of them has its own rows, an array is a block with one more
+axis, the first, and its page says how far the rows of one world are from those of the next.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import extending
@@ -17,25 +20,35 @@ from numba.np.arrayobj import populate_array
 
 intrinsic: Any = extending.intrinsic  # called with one argument less than it is written with
 
-ADDRESS, SHAPE, PAGE = 0, 1, 4
-"""Columns of a book, (arrays, PAGE) int64: address, then the lengths of up to three axes."""
+ADDRESS, STRIDE, SHAPE, PAGE = 0, 1, 2, 5
+"""Columns of a book, (arrays, PAGE) int64: address; bytes from one world to the next; lengths of up to three axes."""
+
+
+class Each(NamedTuple):
+    """A block in which each world has its own array: the first axis is that of worlds."""
+
+    block: np.ndarray
 
 
 def write_book(*parts: Any) -> np.ndarray:
-    """The book of arrays and of tuples of arrays, one after the other."""
+    """The book of arrays, of blocks and of tuples of both, one after the other."""
     arrays = list(_flat(parts))
     book = np.zeros((len(arrays), PAGE), np.int64)
-    for page, array in zip(book, arrays, strict=True):
+    for page, one in zip(book, arrays, strict=True):
+        array = one.block if isinstance(one, Each) else one
         if not array.flags.c_contiguous:
             raise ValueError("an array in a book must be contiguous")
+        shape = array.shape
         page[ADDRESS] = array.ctypes.data
-        page[SHAPE : SHAPE + array.ndim] = array.shape
+        if isinstance(one, Each):
+            page[STRIDE], shape = array.strides[0], shape[1:]
+        page[SHAPE : SHAPE + len(shape)] = shape
     return book
 
 
-def _flat(parts: Any) -> Iterator[np.ndarray]:
+def _flat(parts: Any) -> Iterator[np.ndarray | Each]:
     for part in parts:
-        if isinstance(part, tuple):
+        if isinstance(part, tuple) and not isinstance(part, Each):
             yield from _flat(part)
         else:
             yield part
@@ -43,8 +56,8 @@ def _flat(parts: Any) -> Iterator[np.ndarray]:
 
 def _reader(axes: int) -> Any:
     @intrinsic
-    def array_at(typing, book, k, like):
-        """The array on page k of a book; ``like`` is a number of its type."""
+    def array_at(typing, book, k, world, like):
+        """The array of a world on page k of a book; ``like`` is a number of its type."""
         number = types.unliteral(like)
         result = types.Array(number, axes, "C")
 
@@ -53,16 +66,17 @@ def _reader(axes: int) -> Any:
             word = context.get_value_type(types.intp)
             first = builder.mul(args[1], word(PAGE))
             words = [builder.load(builder.gep(pages.data, [builder.add(first, word(c))])) for c in range(SHAPE + axes)]
+            start = builder.add(words[ADDRESS], builder.mul(words[STRIDE], args[2]))
             array = context.make_array(result)(context, builder)
             itemsize = word(context.get_abi_sizeof(context.get_data_type(number)))
             lengths, strides = words[SHAPE:], [itemsize]
             for length in reversed(lengths[1:]):
                 strides.insert(0, builder.mul(strides[0], length))
-            address = builder.inttoptr(words[ADDRESS], array.data.type)
+            address = builder.inttoptr(start, array.data.type)
             populate_array(array, data=address, shape=lengths, strides=strides, itemsize=itemsize, meminfo=None)
             return array._getvalue()
 
-        return result(book, types.intp, number), make
+        return result(book, types.intp, types.intp, number), make
 
     return array_at
 

@@ -1,0 +1,202 @@
+"""The arrays of many worlds: a block for each array that a world keeps from step to step, worlds along its first axis.
+
+What a step fills before it reads it is no state, and belongs to the worker that takes the step (:class:`Desk`): blocks
+of contacts, lists, the scratch of the narrow phase. So a world of five bodies takes some 11 kB instead of 90.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.core import soft_entry, soft_rows, soft_step, state
+from stiction.core.book import Each
+from stiction.core.clock import STAGES
+from stiction.core.colouring import COLOURS
+from stiction.core.lanes import LANES
+from stiction.core.pairs import PAIRS, SLOTS, PairCache, make_pair_cache
+from stiction.core.soft_rows import Soft
+from stiction.core.soft_step import Scratch
+from stiction.core.tree import USED, Tree, make_tree
+from stiction.soft_store import SoftStore
+
+AnyArray = NDArray[Any]
+GROUPS: dict[str, Any] = {"tree": Tree, "cache": PairCache, "soft": Soft, "scratch": Scratch}
+"""The tuples of arrays in a store."""
+DESKS = {
+    "cache.begun", "cache.ended", "soft.blocks", "soft.members", "scratch.active", "scratch.normals",
+    "scratch.contacts", "scratch.tags", "scratch.points", "scratch.tally",
+}  # fmt: skip
+"""Arrays that a step fills before it reads them."""
+SHARED = {"soft.grain"}
+"""Arrays that are the same in all worlds, and that a step only reads."""
+KEPT_BY_RESET = (
+    (state.CENTER, 3), (state.SIZE, 4), (state.INVERSE_MASS, 1), (state.REACH, 1), (state.INERTIA, 9),
+    (state.INVERSE_INERTIA, 9), (state.MASS, 1),
+)  # fmt: skip
+"""Columns of bodies that say what a body is, not what it does."""
+
+
+class Room(NamedTuple):
+    """For how many bodies and pairs a world has rows."""
+
+    bodies: int
+    pairs: int
+
+
+def arrays_with(room: Room, dtype: Any) -> dict[str, AnyArray]:
+    """Empty arrays of one world, by name."""
+    bodies, kinds = state.make_bodies(room.bodies)
+    made: dict[str, Any] = {"bodies": bodies, "kinds": kinds, "ledger": np.zeros(state.LEDGER_WIDTH)}
+    parts: dict[str, Any] = {
+        "tree": make_tree(room.bodies),
+        "cache": make_pair_cache(room.bodies, room.pairs),
+        "soft": soft_rows.make_soft(room.bodies, room.pairs, dtype),
+        "scratch": soft_step.make_scratch(room.bodies, room.pairs, COLOURS),
+    }
+    for name, part in parts.items():
+        made |= {f"{name}.{field}": array for field, array in zip(part._fields, part, strict=True)}
+    return made
+
+
+def arrays_of(store: SoftStore) -> dict[str, AnyArray]:
+    """The arrays of a store, by the same names."""
+    made: dict[str, AnyArray] = {"bodies": store.bodies, "kinds": store.kinds, "ledger": store.ledger}
+    for name in GROUPS:
+        part = getattr(store, name)
+        made |= {f"{name}.{field}": array for field, array in zip(part._fields, part, strict=True)}
+    return made
+
+
+def fit(array: AnyArray, like: AnyArray, axis: int = 0) -> AnyArray:
+    """``like`` with as much of ``array`` in it as both have room for; axes before ``axis`` are those of worlds."""
+    result = np.empty(array.shape[:axis] + like.shape, like.dtype)
+    result[...] = like
+    both = tuple(slice(min(a, b)) for a, b in zip(array.shape[axis:], like.shape, strict=True))
+    place: Any = (..., *both)
+    result[place] = array[place]
+    return result
+
+
+class Desk:
+    """What a worker needs besides the worlds: the arrays of :data:`DESKS`, and room for impacts."""
+
+    def __init__(self, room: Room, blocks: int, contacts: int, dtype: Any) -> None:
+        made = arrays_with(room, dtype)
+        if blocks * soft_rows.FIELDS > len(made["soft.blocks"]):
+            width = LANES
+            made["soft.blocks"] = np.zeros((blocks * soft_rows.FIELDS, width), dtype)
+            made["soft.members"] = np.zeros((3 * blocks, width), np.int32)
+        self.arrays = {name: made[name] for name in DESKS}
+        self.cycles = np.zeros(len(STAGES) + 1, np.int64)
+        self.contacts, self.tags = state.make_contacts(contacts)
+        self.lists = state.make_lists(room.bodies, contacts, 0)
+        self.report = np.zeros((3, state.REPORT_WIDTH))
+
+    @property
+    def bounces(self) -> tuple[Any, ...]:
+        """What impacts need."""
+        return self.contacts, self.tags, self.lists, self.report
+
+
+class Blocks:
+    """The state of ``worlds`` copies of one world, with room for more pairs when they need it."""
+
+    def __init__(self, store: SoftStore, worlds: int) -> None:
+        self.n, self.worlds, self.dtype = store.n, worlds, store.dtype
+        cache = store.cache.counts
+        rows = max(store.n, (int(store.tree.head[USED]) + 1) // 2)
+        self.room = Room(rows, max(1, store.n - 1, int(cache[PAIRS]), int(cache[SLOTS])))
+        empty = arrays_with(self.room, self.dtype)
+        source = arrays_of(store)
+        self.source = {name: fit(source[name], empty[name]) for name in empty if name not in DESKS}
+        self.each = {
+            name: np.repeat(array[None], worlds, axis=0) for name, array in self.source.items() if name not in SHARED
+        }
+
+    def __getitem__(self, name: str) -> AnyArray:
+        """The block of that name, (worlds, ...)."""
+        return self.each[name]
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of all blocks, bytes."""
+        return sum(block.nbytes for block in self.each.values())
+
+    def columns(self, start: int, width: int) -> NDArray[np.float64]:
+        """A view of the same numbers of all bodies, (worlds, n, width)."""
+        return self.each["bodies"][:, : self.n, start : start + width]
+
+    def grow(self, pairs: int) -> None:
+        """Make room for more pairs in every world."""
+        self.room = Room(self.room.bodies, pairs)
+        for name, like in arrays_with(self.room, self.dtype).items():
+            if name not in DESKS and like.shape != self.source[name].shape:
+                self.source[name] = fit(self.source[name], like)
+                if name in self.each:
+                    self.each[name] = fit(self.each[name], like, axis=1)
+
+    def reset(self, chosen: AnyArray) -> None:
+        """Bring worlds, a mask or indices, back to where they began; what bodies are stays as it is."""
+        bodies = self.each["bodies"]
+        kept = [bodies[chosen, :, start : start + width] for start, width in KEPT_BY_RESET]
+        for name, block in self.each.items():
+            block[chosen] = self.source[name]
+        for (start, width), numbers in zip(KEPT_BY_RESET, kept, strict=True):
+            bodies[chosen, :, start : start + width] = numbers
+
+    def put(self, arrays: dict[str, AnyArray], chosen: AnyArray) -> None:
+        """Write state of the same kind into worlds; it may have less room, and one row may be for all."""
+        empty = arrays_with(self.room, self.dtype)
+        for name, block in self.each.items():
+            block[chosen] = fit(arrays[name], empty[name], axis=1)
+
+    def edited(self, chosen: NDArray[np.int64], body: int) -> None:
+        """A body was changed from outside in these worlds: it wakes there with all that touch it."""
+        counts, lists = self.each["scratch.counts"], self.each["scratch.bodies"]
+        chosen = chosen[body < counts[chosen, soft_step.N_KNOWN]]
+        listed = counts[chosen, soft_step.N_EDITED]
+        before = np.arange(self.room.bodies) < listed[:, None]
+        chosen = chosen[~((lists[chosen, soft_step.EDITED] == body) & before).any(axis=1)]
+        lists[chosen, soft_step.EDITED, counts[chosen, soft_step.N_EDITED]] = body
+        counts[chosen, soft_step.N_EDITED] += 1
+
+    def parts(self, pick: Callable[[AnyArray], Any], desk: Desk) -> dict[str, Any]:
+        """Bodies, kinds, ledger and the tuples of arrays; ``pick`` makes of a block what stands for it."""
+        made: dict[str, Any] = {name: pick(self.each[name]) for name in ("bodies", "kinds", "ledger")}
+        for name, kind in GROUPS.items():
+            made[name] = kind(*(self._part(f"{name}.{field}", pick, desk) for field in kind._fields))
+        return made
+
+    def _part(self, name: str, pick: Callable[[AnyArray], Any], desk: Desk) -> Any:
+        if name in DESKS:
+            return desk.arrays[name]
+        return self.source[name] if name in SHARED else pick(self.each[name])
+
+    def of_world(self, world: int, desk: Desk) -> dict[str, Any]:
+        """The arrays of one world, views."""
+        return self.parts(lambda block: block[world], desk)
+
+    def book(
+        self, desk: Desk, table: AnyArray, settings: AnyArray, hulls: Any, bounces: bool
+    ) -> tuple[NDArray[np.int64], Any]:
+        """The book that the kernel reads at this desk, and what must be kept as long as the book is."""
+        parts = self.parts(Each, desk)
+        every = Each if table.ndim > 3 else _same
+        numbers = Each if settings.ndim > 1 else _same
+        kept = (
+            parts["bodies"], parts["kinds"], every(table), numbers(settings), parts["ledger"], desk.cycles,
+            parts["tree"], parts["cache"], parts["soft"], parts["scratch"], hulls, *(desk.bounces if bounces else ()),
+        )  # fmt: skip
+        return soft_entry.book_of(*kept), kept
+
+    def items(self) -> Iterator[tuple[str, AnyArray]]:
+        """Names and blocks."""
+        yield from self.each.items()
+
+
+def _same(array: AnyArray) -> AnyArray:
+    return array

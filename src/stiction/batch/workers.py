@@ -1,0 +1,167 @@
+"""Stepping a batch: workers take worlds in turn, each at a desk of its own, until all have taken their steps."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stiction.batch.blocks import Blocks, Desk
+from stiction.core import jit, soft_entry, soft_step, state
+from stiction.store import announce_compilation
+
+AnyArray = NDArray[Any]
+
+TURNS = 4
+"""Ranges of worlds for each worker: small ones share the work better, but each costs a call of 5 us."""
+AT_ONCE = 2_000_000
+"""Bodies times steps times worlds in one go at most, so that Ctrl-C is heard within a second or two."""
+
+
+class Needs(NamedTuple):
+    """What has to be compiled into the step: 1, or None for what no world has."""
+
+    boxes_meet: int | None
+    hulls: int | None
+    bounces: int | None
+    rolls: int | None
+    laws: int | None
+
+
+class Failure(NamedTuple):
+    """A world that was frozen because a body's state stopped being finite."""
+
+    world: int
+    body: int
+    step: int
+
+
+class Workers:
+    """The desks of a batch, and the threads that sit at them."""
+
+    def __init__(self, threads: int, blocks: Blocks) -> None:
+        self.threads = threads
+        self._one = blocks.dtype(1.0)
+        self._outcomes = np.zeros((blocks.worlds, soft_entry.OUTCOME_WIDTH), np.int64)
+        self._contacts, self._blocks = 32, 0
+        self._desks: list[Desk] = []
+        self._pool: ThreadPoolExecutor | None = None
+        self._process = -1
+        self.furnish(blocks)
+
+    def furnish(self, blocks: Blocks) -> None:
+        """New desks, for as many bodies, pairs, blocks and contacts as there now is room for."""
+        self._desks = [Desk(blocks.room, self._blocks, self._contacts, blocks.dtype) for _ in range(self.threads)]
+
+    @property
+    def desk(self) -> Desk:
+        """One of the desks, for who looks at a world between two steps."""
+        return self._desks[0]
+
+    def step(
+        self, steps: int, blocks: Blocks, frozen: NDArray[np.bool_], table: AnyArray, settings: AnyArray, hulls: Any,
+        needs: Needs, taken: NDArray[np.int64],
+    ) -> list[Failure]:  # fmt: skip
+        """Take steps in all worlds that are not frozen; ``taken`` (worlds,) counts them. Returns who failed."""
+        announce_compilation()
+        failures: list[Failure] = []
+        at_once = max(1, AT_ONCE // (blocks.n * blocks.worlds))
+        stopped = frozen.copy()
+        while steps:
+            now = min(steps, at_once)
+            outcomes = self._outcomes
+            outcomes[:, soft_entry.TAKEN] = np.where(stopped, now, 0)
+            outcomes[:, soft_entry.REASON] = soft_step.DONE
+            while True:
+                self._go_round(now, blocks, table, settings, hulls, needs)
+                reasons = outcomes[:, soft_entry.REASON]
+                for world in np.flatnonzero(reasons == soft_step.BLOWN_UP).tolist():
+                    done = int(outcomes[world, soft_entry.TAKEN])
+                    failures.append(Failure(world, int(outcomes[world, soft_entry.NUMBER]), int(taken[world]) + done))
+                    stopped[world] = True
+                    taken[world] += done - now
+                    outcomes[world] = now, soft_step.DONE, 0
+                if not (reasons != soft_step.DONE).any():
+                    break
+                self._make_room(blocks, reasons, outcomes[:, soft_entry.NUMBER])
+            taken += np.where(frozen, 0, now)
+            frozen |= stopped
+            steps -= now
+        return failures
+
+    def _make_room(self, blocks: Blocks, reasons: AnyArray, numbers: AnyArray) -> None:
+        """Grow what was too small for a step of some world."""
+        pairs = numbers[reasons == soft_step.MORE_PAIRS]
+        if len(pairs):
+            needed = int(pairs.max())
+            blocks.grow(needed + needed // 4 + 1)
+        wanted = numbers[reasons == soft_step.MORE_BLOCKS]
+        if len(wanted):
+            self._blocks = int(wanted.max()) + int(wanted.max()) // 4 + 1
+        contacts = numbers[reasons == soft_step.MORE_CONTACTS]
+        if len(contacts):
+            self._contacts = int(contacts.max()) + int(contacts.max()) // 4 + 16
+        self.furnish(blocks)
+
+    def _go_round(
+        self, steps: int, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, needs: Needs
+    ) -> None:
+        """Every worker takes ranges of worlds, one after the other, until none is left."""
+        worlds = blocks.worlds
+        if jit.config.DISABLE_JIT:
+            self._in_plain_python(steps, blocks, table, settings, hulls, needs)
+            return
+        width = -(-worlds // (self.threads * TURNS)) if self.threads > 1 else worlds
+        starts = iter(range(0, worlds, width))
+        books = [blocks.book(desk, table, settings, hulls, needs.bounces is not None) for desk in self._desks]
+
+        def work(book: NDArray[np.int64]) -> None:
+            for first in starts:
+                soft_entry.soft_step(
+                    steps, blocks.n, book, first, min(first + width, worlds), self._outcomes, self._one,
+                    needs.boxes_meet, needs.hulls, needs.bounces, needs.rolls, needs.laws, None, None,
+                )  # fmt: skip
+
+        helpers = [self._threads().submit(work, book) for book, _ in books[1:]] if width < worlds else []
+        try:
+            work(books[0][0])
+        finally:
+            for helper in helpers:
+                helper.result()
+
+    def _threads(self) -> ThreadPoolExecutor:
+        # threads do not live on in a process that was forked off
+        if self._pool is None or self._process != os.getpid():
+            self._pool = ThreadPoolExecutor(self.threads - 1, thread_name_prefix="stiction")
+            self._process = os.getpid()
+        return self._pool
+
+    def _in_plain_python(
+        self, steps: int, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, needs: Needs
+    ) -> None:
+        """The same without compilation, for debugging."""
+        desk = self.desk
+        for world, outcome in enumerate(self._outcomes):
+            left = steps - int(outcome[soft_entry.TAKEN])
+            if left <= 0:
+                continue
+            p = blocks.of_world(world, desk)
+            numbers = settings[world] if settings.ndim > 1 else settings
+            reason, done, number = soft_step.take_steps(
+                left, p["bodies"], p["kinds"], blocks.n, p["tree"], p["cache"], p["soft"], p["scratch"],
+                table[world] if table.ndim > 3 else table, _settings(numbers), p["ledger"], desk.cycles,
+                needs.boxes_meet, hulls if needs.hulls else None, desk.bounces if needs.bounces else None, needs.rolls,
+                needs.laws, None, None,
+            )  # fmt: skip
+            outcome[:] = outcome[soft_entry.TAKEN] + done, reason, number
+
+
+def _settings(numbers: AnyArray) -> state.Settings:
+    """The constants of a call, from their row."""
+    x, y, z, dt, iterations, threshold, literal, substeps, sleeping, tolerance = numbers.tolist()
+    return state.Settings(
+        x, y, z, dt, int(iterations), threshold, literal != 0.0, int(substeps), sleeping != 0.0, tolerance
+    )
