@@ -37,6 +37,8 @@ MOST_STEPS = 10**12
 """Steps of one run at most; more would take years."""
 MOST_THREADS = 256
 NO_LAWS = "laws, grain and adhesion of a pair are not there yet with solver 'micro'; solver 'soft' has them."
+PUSHES = {"FORCE", "TORQUE"}
+"""Columns that say nothing about where a body is: what touches it need not be looked at again."""
 MOBILITIES = ("static", "kinematic", "dynamic")
 
 
@@ -499,17 +501,9 @@ class World(Queries, Accounts, Journaled):
     def _make_settings(self) -> Any:
         x, y, z = (float(g) for g in self._gravity)
         return self._state.Settings(
-            x,
-            y,
-            z,
-            self._dt,
-            self._iterations,
-            self._threshold,
-            self.micro_literal,
-            self._substeps,
-            self._sleeping,
+            x, y, z, self._dt, self._iterations, self._threshold, self.micro_literal, self._substeps, self._sleeping,
             self._tolerance,
-        )
+        )  # fmt: skip
 
     def _pair_table(self) -> Array:
         """The coefficients of the materials in use, (k, k, 5), made anew only when something changed."""
@@ -549,7 +543,8 @@ class World(Queries, Accounts, Journaled):
             self._journal.wrote(index, column, value)
         start: int = getattr(self._state, column)
         self._store.bodies[index, start : start + len(value)] = value
-        self._store.edited(index)
+        if column not in PUSHES or (self._is_asleep(index) and value.any()):
+            self._store.edited(index)
 
     def _read_kind(self, index: int, column: str) -> int:
         return int(self._store.kinds[index, getattr(self._state, column)])

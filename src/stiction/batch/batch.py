@@ -176,10 +176,12 @@ class Batch:
             raise InvalidInputError(f"mass must be more than 0 kg, got {masses[~(masses > 0.0)][0]!r}.")
         rows = self._blocks["bodies"]
         ratio = masses / rows[chosen, index, state.MASS]
+        inertia = rows[chosen, index, state.INERTIA : state.INERTIA + 9] * ratio[:, None]
         rows[chosen, index, state.MASS] = masses
         rows[chosen, index, state.INVERSE_MASS] = 1.0 / masses
-        for first, factor in ((state.INERTIA, ratio), (state.INVERSE_INERTIA, 1.0 / ratio)):
-            rows[chosen, index, first : first + 9] *= factor[:, None]
+        rows[chosen, index, state.INERTIA : state.INERTIA + 9] = inertia
+        inverse = np.linalg.inv(inertia.reshape(-1, 3, 3)).reshape(-1, 9)
+        rows[chosen, index, state.INVERSE_INERTIA : state.INVERSE_INERTIA + 9] = inverse
         self._blocks.edited(chosen, index)
 
     @property

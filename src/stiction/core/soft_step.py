@@ -292,7 +292,7 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
     """Look at bodies that were added or changed from outside since the last call, and wake what they are part of.
 
     Where views of the state have been handed out, bodies are compared with what they were: those that sleep or never
-    move, to wake; others that are elsewhere now have their manifolds looked for anew.
+    move, to wake, as do those that are pushed; others that are elsewhere now have their manifolds looked for anew.
     """
     for i in range(counts[N_KNOWN], n):
         lists[EDITED, counts[N_EDITED]] = i
@@ -307,7 +307,7 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
             if lists[RESTLESS, i]:
                 continue
             if kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]:
-                if was_changed(bodies, i):
+                if was_changed(bodies, i) or (kinds[i, ASLEEP] and is_pushed(bodies, i)):
                     lists[EDITED, counts[N_EDITED]] = i
                     counts[N_EDITED] += 1
             elif was_moved(bodies, i):
@@ -332,6 +332,15 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, lists, counts, gravity,
         touch_body(cache, i)
         counts[STALE] = 1
     counts[N_EDITED] = 0
+
+
+@jit
+def is_pushed(bodies, i):
+    """Whether a force or torque was applied to body i for the coming step."""
+    for c in range(3):
+        if bodies[i, FORCE + c] != 0.0 or bodies[i, TORQUE + c] != 0.0:
+            return True
+    return False
 
 
 @jit
