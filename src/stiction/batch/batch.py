@@ -267,7 +267,8 @@ class Batch:
             array = np.broadcast_to(np.asarray(value, np.float64), shape)
         except (TypeError, ValueError):
             raise InvalidInputError(
-                f"{name} must be an array of shape {shape} or one that can be broadcast to it, got {value!r}."
+                f"{name} must be an array of shape {shape} or one that can be broadcast to it, got one of shape "
+                f"{np.shape(value)}."
             ) from None
         if not np.isfinite(array).all():
             raise InvalidInputError(f"{name} must be finite, got {float(array[~np.isfinite(array)][0])!r}.")

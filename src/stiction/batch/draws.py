@@ -33,6 +33,6 @@ class Draws:
 
     def _each(self, worlds: NDArray[np.int64], shape: tuple[int, ...], kind: str) -> Array:
         result = np.empty((len(worlds), *shape))
-        for row, world in zip(result, worlds.tolist(), strict=True):
-            row[...] = getattr(self._stream(world), kind)(shape)
+        for k, world in enumerate(worlds.tolist()):
+            result[k] = getattr(self._stream(world), kind)(shape)
         return result
