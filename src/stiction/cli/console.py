@@ -21,14 +21,31 @@ out = Console(width=_width(), highlight=False)
 err = Console(stderr=True, highlight=False)
 
 
+class _Talk:
+    """Whether commands tell what is going on."""
+
+    quiet = False
+
+
+def hush(quiet: bool) -> None:
+    """Say nothing but results, warnings and errors from now on, or talk again."""
+    _Talk.quiet = quiet
+
+
+def is_quiet() -> bool:
+    """Whether ``--quiet`` was given."""
+    return _Talk.quiet
+
+
 def complain(text: str) -> None:
-    """One line on standard error, never wrapped or coloured."""
+    """One line on standard error, never wrapped or coloured: a warning or an error, told in any case."""
     print(f"stiction: {text}", file=sys.stderr)
 
 
 def say(text: str) -> None:
-    """What is going on, on standard error."""
-    err.print(text, soft_wrap=True)
+    """What is going on, on standard error; nothing with ``--quiet``."""
+    if not is_quiet():
+        err.print(text, soft_wrap=True)
 
 
 def print_json(value: Any) -> None:

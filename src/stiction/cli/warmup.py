@@ -8,7 +8,13 @@ from stiction.cli.console import out, say
 
 
 def warmup() -> None:
-    """Compile the kernels for this machine, or load them if that was done before, and say how long it took."""
+    """Compile the kernels for this machine, or load them if that was done before, and say how long it took.
+
+    \b
+    Examples:
+      stiction warmup
+      stiction warmup --quiet    # in the recipe of a container
+    """
     from stiction import Box, Plane, World
     from stiction.core import jit
 
