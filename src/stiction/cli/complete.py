@@ -1,4 +1,4 @@
-"""Names that complete in a shell. Every Tab starts a process, so nothing here may load numba, pydantic or matplotlib."""
+"""Names that complete in a shell. Each Tab starts a process, so nothing here loads numba, pydantic or matplotlib."""
 
 from __future__ import annotations
 

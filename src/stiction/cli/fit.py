@@ -81,7 +81,7 @@ def fit(
     parameters = parse_all(list(free or []), loaded.table)
     tracks = read_csv(data)
     problem = Problem(loaded, tracks, parameters, sigma=1e-3 * sigma_mm, sigma_angle=math.radians(sigma_deg))
-    with bar(json) as show:
+    with bar(json) as tell:
         made = find(
             problem,
             starts=starts,
@@ -90,7 +90,7 @@ def fit(
             trials=trials,
             level=level,
             seed=seed,
-            on_progress=lambda state: show(state.phase, state.done, state.total, _told(state)),
+            on_progress=lambda state: tell(state.phase, state.done, state.total, _told(state)),
         )
     if json:
         print_json(as_dict(problem, made, level))

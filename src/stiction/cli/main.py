@@ -10,8 +10,9 @@ from typing import Annotated
 import typer
 
 from stiction import __version__
-from stiction.cli.bench import bench
 from stiction.cli import welcome
+from stiction.cli.bench import bench
+from stiction.cli.check import check
 from stiction.cli.command import INTERRUPTED, Command, common
 from stiction.cli.console import complain, hush
 from stiction.cli.export import export
@@ -25,7 +26,7 @@ from stiction.cli.sweep import sweep
 from stiction.cli.verify import verify
 from stiction.cli.view import view
 from stiction.cli.warmup import warmup
-from stiction.errors import SimulationError, StictionError, StictionWarning
+from stiction.errors import InvalidFileError, SimulationError, StictionError, StictionWarning
 
 app = typer.Typer(
     name="stiction",
@@ -34,7 +35,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, view, replay, plot, export, scenes, materials, verify, bench, sweep, fit, warmup):
+for command in (run, view, check, replay, plot, export, scenes, materials, verify, bench, sweep, fit, warmup):
     app.command(cls=Command)(common(command))
 
 
@@ -69,6 +70,10 @@ def main() -> None:
     except SimulationError as error:
         complain(f"error: {error}")
         sys.exit(3)
+    except InvalidFileError as error:
+        complain(f"error: {error}")
+        complain(f"all mistakes of the file: stiction check {error.file}")
+        sys.exit(2)
     except StictionError as error:
         complain(f"error: {error}")
         sys.exit(2)

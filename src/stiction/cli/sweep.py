@@ -86,7 +86,7 @@ def sweep(
         return
 
     folder = out_ or Path(f"{loaded.name}.sweep")
-    with bar(json) as show:
+    with bar(json) as tell:
         outcome = sweeps.run_sweep(
             loaded,
             folder,
@@ -94,7 +94,7 @@ def sweep(
             path=table_,
             resume=resume,
             retry=retry,
-            on_progress=lambda now: show(now.phase, now.done, now.total, _told(now)),
+            on_progress=lambda now: tell(now.phase, now.done, now.total, _told(now)),
         )
     picture = None
     if loaded.table.map is not None and outcome.done:

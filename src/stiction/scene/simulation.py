@@ -13,6 +13,7 @@ from stiction import checks
 from stiction.body import Body
 from stiction.errors import InvalidInputError
 from stiction.scene.model_vehicle import VehicleTable
+from stiction.scene.origin import naming_lines
 from stiction.scene.placing import frame_of, turned
 from stiction.scene.scene import Scene
 from stiction.vehicle import Vehicle
@@ -166,10 +167,11 @@ class Simulation:
         self.world = scene.build()
         dt = self.world.dt
         self.total_steps = max(1, round(scene.duration / dt))
-        self._drivers = self._make_drivers()
+        with naming_lines(scene.origin):
+            self._drivers = self._make_drivers()
+            self._springs = self._make_springs(dt)
         self.vehicles = {name: driver.vehicle for name, driver in self._drivers.items()}
         self._pushes = self._make_pushes(dt)
-        self._springs = self._make_springs(dt)
         self._changes = self._make_changes(dt)
         # Steps before which something outside the world must be done; compiled stepping never runs across one of them.
         stops = {math.floor(push.begin) for push in self._pushes} | {change.step for change in self._changes}
