@@ -67,8 +67,8 @@ def _of_names(table: SceneTable) -> Iterator[Doubt]:
         yield ("bodies",), "are all static: nothing can move."
     if not table.bodies:
         yield (), "the scene has no bodies."
-    users = (*table.bodies, *table.pushes, *table.springs, *table.velocity_changes)
-    used = {user.frame for user in users}
+    used = {body.frame for body in table.bodies} | {push.frame for push in table.pushes}
+    used |= {spring.frame for spring in table.springs} | {change.frame for change in table.velocity_changes}
     for name in table.frames:
         if name not in used:
             yield ("frames", name), "is a frame that nothing is placed in."

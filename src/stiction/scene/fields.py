@@ -71,6 +71,19 @@ def _points(value: Any) -> tuple[tuple[float, ...], ...]:
     return tuple(_numbers(3)(item) for item in value)
 
 
+def _inertia(value: Any) -> tuple[Any, ...]:
+    try:
+        return _numbers(3)(value)
+    except PydanticCustomError:
+        pass
+    if isinstance(value, (list, tuple)) and len(value) == 3:
+        try:
+            return tuple(_numbers(3)(row) for row in value)
+        except PydanticCustomError:
+            pass
+    raise fault(f"must be three moments or a tensor of three rows of three numbers, got {value!r}.")
+
+
 def _flag(value: Any) -> bool:
     if not isinstance(value, bool):
         raise fault(f"must be true or false, got {value!r}.")
@@ -127,6 +140,11 @@ Direction = Annotated[Vector, AfterValidator(_direction)]
 Lengths = Annotated[Vector, AfterValidator(_lengths)]
 Quaternion = Annotated[tuple[float, float, float, float], BeforeValidator(_numbers(4)), AfterValidator(_direction)]
 Points = Annotated[tuple[tuple[float, float, float], ...], BeforeValidator(_points)]
+Inertia = Annotated[
+    tuple[float, float, float]
+    | tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]],
+    BeforeValidator(_inertia),
+]
 Counts = Annotated[tuple[int, int, int], BeforeValidator(_counts)]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Text = Annotated[str, BeforeValidator(_text)]

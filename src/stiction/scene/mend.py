@@ -116,8 +116,10 @@ class Mender:
             return False
         old = self._at(location)
         kind = location[-2] if len(location) > 1 else None
-        if isinstance(key, str):
+        if isinstance(around, dict):
             around.pop(key, None)
+        elif isinstance(key, str):
+            return False
         elif old is _GONE:
             return True
         elif kind == "bodies":
@@ -128,7 +130,7 @@ class Mender:
             around[key] = {"a": old["a"], "b": old["b"], "static": 0.5, "dynamic": 0.5}
         else:
             around[key] = _GONE
-        return around is not None
+        return True
 
     def _forget_frame(self, frames: dict[str, Any], name: str, base: Location) -> bool:
         """Take out a frame, and what is placed in it becomes placed in the world."""

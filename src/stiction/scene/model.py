@@ -241,6 +241,10 @@ class BodyTable(_Placed):
     """kg; at most one of mass and density."""
     density: fields.Density | None = None
     """kg/m^3; 1000 if there is no mass either."""
+    center_of_mass: Vector | None = None
+    """In the shape's frame, m, for a body that is loaded on one side; with it goes inertia."""
+    inertia: fields.Inertia | None = None
+    """About the centre of mass in the shape's axes, kg m^2: three principal moments, or a tensor of three rows."""
     frame: Text | None = None
     """The frame in which position, orientation and velocities are given; the world if left out."""
     position: Vector = (0.0, 0.0, 0.0)
@@ -262,6 +266,8 @@ class BodyTable(_Placed):
             raise fault("must not be given together with mass.", key="density")
         if self.static and self.kinematic:
             raise fault("must not be true where static is true.", key="kinematic")
+        if self.center_of_mass is not None and self.inertia is None:
+            raise fault("needs inertia beside it, for that of the shape is of its own centre.", key="center_of_mass")
         return self
 
 

@@ -113,6 +113,8 @@ class Scene:
                     angular_velocity=placed.angular_velocity,
                     mass=body.mass,
                     density=body.density,
+                    inertia=body.inertia,
+                    center_of_mass=body.center_of_mass,
                     material=body.material,
                     name=placed.name,
                     surface_velocity=body.surface_velocity,

@@ -245,9 +245,9 @@ class Simulation:
                     f"springs[{number}].stiffness: must be below 4 m / dt^2 = {most:g} N/m, or its body swings faster "
                     f"than steps can follow, got {spring.stiffness:g}."
                 )
-            # where the centre of mass is the frame's origin the spring cannot turn the body, and needs no arm
+            # at the centre of mass the spring cannot turn the body, and needs no arm
             at = np.array(spring.at)
-            centred = np.array_equal(at, body.shape.mass_properties.center_of_mass)
+            centred = np.array_equal(at, self.world._store.column(self.world._state.CENTER, 3)[body.index])
             anchor = frame.position + frame.turn(spring.anchor)
             velocity = frame.turn(spring.velocity)
             springs.append(_Spring(body, spring.stiffness, anchor, velocity, None if centred else at))
