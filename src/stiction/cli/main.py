@@ -17,7 +17,9 @@ from stiction.cli.command import INTERRUPTED, Command, common
 from stiction.cli.console import complain, hush
 from stiction.cli.export import export
 from stiction.cli.fit import fit
+from stiction.cli.info import info
 from stiction.cli.materials import materials
+from stiction.cli.new import new
 from stiction.cli.plot import plot
 from stiction.cli.replay import replay
 from stiction.cli.run import run
@@ -35,7 +37,23 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for command in (run, view, check, replay, plot, export, scenes, materials, verify, bench, sweep, fit, warmup):
+for command in (
+    run,
+    view,
+    new,
+    check,
+    replay,
+    plot,
+    export,
+    scenes,
+    materials,
+    verify,
+    bench,
+    sweep,
+    fit,
+    warmup,
+    info,
+):
     app.command(cls=Command)(common(command))
 
 

@@ -6,7 +6,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Protocol
 
 from stiction.cli.console import err, is_quiet, say
@@ -107,20 +107,20 @@ def progress(
         doing: what goes on, in a word.
         dt: time step, s; without it there is no simulated time.
         unit: what is counted.
-        compiles: the first one may have to compile kernels, and says so.
+        compiles: the first one may have to compile kernels, and says so when it does.
 
     Yields:
         What to call with the steps done and the steps there are.
     """
-    first = doing
-    if compiles:
-        from stiction.core import jit
-
-        if jit.is_cold():
-            first = "compiling kernels (once on this machine, about 20 s)"
     pace = Pace()
-    with bar(quiet) as show:
-        show(first if err.is_terminal else f"{title}: {first}")
+    with ExitStack() as stack:
+        show = stack.enter_context(bar(quiet))
+        named = "{}" if err.is_terminal else f"{title}: {{}}"
+        show(named.format(doing))
+        if compiles:
+            from stiction.cli.kernels import noting_times
+
+            stack.enter_context(noting_times(lambda: show(named.format("compiling kernels, once on this machine"))))
 
         def on_progress(done: int, total: int) -> None:
             pace.note(done)
@@ -131,7 +131,7 @@ def progress(
                 told.append(f"{done * dt:.2f} of {total * dt:.2f} s")
             if pace.rate and done < total:
                 told.append(f"{span(pace.left(total - done))} left")
-            show(doing if err.is_terminal else f"{title}: {doing}", done, total, ", ".join(told))
+            show(named.format(doing), done, total, ", ".join(told))
 
         yield on_progress
 
