@@ -12,6 +12,7 @@ import pytest
 
 import stiction as st
 from stiction import BrushTyre, InvalidInputError, MaterialWarning
+from stiction.errors import InvalidFileError
 from stiction.scene import Scene, builtin_names, builtin_text, json_schema, load
 
 HEAD = 'title = "t"\nexpect = "e."\nduration = 1.0\n'
@@ -26,12 +27,16 @@ def scene_of(tmp_path: Path, text: str) -> Scene:
 
 
 def refusal(tmp_path: Path, text: str) -> str:
-    """The one sentence with which a scene is refused, by load or by build."""
-    with pytest.raises(InvalidInputError) as caught:
+    """The one sentence with which a scene is refused, by load or by build, without the file and the line in front."""
+    with pytest.raises(InvalidFileError) as caught:
         scene_of(tmp_path, text).build()
-    sentence = str(caught.value)
+    error = caught.value
+    sentence, file = str(error), str(tmp_path / "scene.toml")
     assert sentence.endswith(".") and "\n" not in sentence
-    return sentence
+    assert error.file == file
+    where = file if error.line is None else f"{file}, line {error.line}"
+    assert sentence.startswith(where)
+    return sentence.removeprefix(f"{where}: ")
 
 
 def test_everything_a_body_says_comes_out_in_the_world(tmp_path: Path) -> None:

@@ -11,6 +11,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from numba.core.event import Event, Listener, register, unregister
+
 TIMES = "compile-times.json"
 """Beside the kernels: how long each took."""
 
@@ -97,8 +99,6 @@ def noting_times(on_compile: Callable[[], None] | None = None) -> Iterator[None]
     Args:
         on_compile: told when that begins.
     """
-    from numba.core import event
-
     from stiction.core.jit import kernel_folder
 
     folder = kernel_folder()
@@ -106,11 +106,11 @@ def noting_times(on_compile: Callable[[], None] | None = None) -> Iterator[None]
         yield
         return
     listener = _Stopwatch(on_compile)
-    event.register("numba:compile", listener)
+    register("numba:compile", listener)
     try:
         yield
     finally:
-        event.unregister("numba:compile", listener)
+        unregister("numba:compile", listener)
         if listener.seconds:
             times = _times(folder)
             for name, seconds in listener.seconds.items():
@@ -119,7 +119,7 @@ def noting_times(on_compile: Callable[[], None] | None = None) -> Iterator[None]
                 (folder / TIMES).write_text(json.dumps(times, indent=1), encoding="utf-8")
 
 
-class _Stopwatch:
+class _Stopwatch(Listener):
     """Hears when Numba compiles; what is compiled inside something else belongs to that."""
 
     def __init__(self, on_compile: Callable[[], None] | None) -> None:
@@ -127,15 +127,16 @@ class _Stopwatch:
         self._begun: list[float] = []
         self._on_compile = on_compile
 
-    def notify(self, event: Any) -> None:
-        """Told by Numba."""
-        if event.is_start:
-            if not self._begun and self._on_compile is not None:
-                self._on_compile()
-            self._begun.append(time.perf_counter())
-        elif self._begun:
-            took = time.perf_counter() - self._begun.pop()
-            if not self._begun:
-                function = event.data["dispatcher"].py_func
-                name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
-                self.seconds[name] = self.seconds.get(name, 0.0) + took
+    def on_start(self, event: Event) -> None:
+        """Told by Numba when it begins."""
+        if not self._begun and self._on_compile is not None:
+            self._on_compile()
+        self._begun.append(time.perf_counter())
+
+    def on_end(self, event: Event) -> None:
+        """Told by Numba when it is done."""
+        took = time.perf_counter() - self._begun.pop()
+        if not self._begun:
+            function = event.data["dispatcher"].py_func
+            name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
+            self.seconds[name] = self.seconds.get(name, 0.0) + took

@@ -68,8 +68,13 @@ def bar(quiet: bool = False, every: float = LOG_EVERY) -> Iterator[Show]:
     if err.is_terminal:
         from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
-        columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(24), TextColumn("{task.fields[told]}"))
-        with Progress(*columns, console=err, transient=True) as live:
+        columns = (
+            SpinnerColumn(),
+            TextColumn("{task.description}"),
+            BarColumn(None),
+            TextColumn("{task.fields[told]}"),
+        )
+        with Progress(*columns, console=err, transient=True, expand=True) as live:
             task = live.add_task("starting", total=None, told="")
 
             def show(doing: str, done: int = 0, total: int | None = None, told: str = "") -> None:
@@ -126,7 +131,7 @@ def progress(
             pace.note(done)
             told = [f"{done}/{total} {unit}"]
             if pace.rate:
-                told.append(f"{pace.rate:.3g} {unit}/s")
+                told.append(f"{pace.rate:.{0 if pace.rate >= 10.0 else 2}f} {unit}/s")
             if dt is not None:
                 told.append(f"{done * dt:.2f} of {total * dt:.2f} s")
             if pace.rate and done < total:
