@@ -59,7 +59,7 @@ def _cases(incomplete: str) -> list[str]:
 
 def _figures(incomplete: str) -> list[str]:
     # read, not imported: the kinds bring in what recordings are made of, and with it pydantic
-    source = resources.files("stiction.plot").joinpath("kinds.py").read_text(encoding="utf-8")
+    source = resources.files("stiction").joinpath("plot", "kinds.py").read_text(encoding="utf-8")
     return _beginning(incomplete, re.findall(r'\bKind\(\s*"([a-z]+)"', source))
 
 

@@ -180,6 +180,7 @@ _HINTS = (
     (r"[A-Za-z_][\w .-]*", 'texts stand in quotes, as in "wood"'),
     (r"['\"][^'\"]*", "the text has no end: a quote is missing"),
     (r"\[[^\]]*", "the list has no end: a ] is missing"),
+    (r"\{[^}]*", "the table has no end: a } is missing"),
     (r"[-+]?\d[\d.]*\s*[A-Za-z/^°]+.*", "numbers stand without a unit"),
     (r"[-+]?(\.\d+|\d+\.)", "a point stands between digits, as in 0.5 and 1.0"),
     (r"", "a value is missing"),
@@ -192,12 +193,26 @@ def _without_syntax_faults(text: str) -> tuple[str | None, list[SyntaxFault]]:
     faults: list[SyntaxFault] = []
     lines = text.split("\n")
     while (fault := find_syntax_fault("\n".join(lines))) is not None:
+        first, last = fault.place.line - 1, fault.place.line
+        if fault.message.startswith("Unclosed"):  # it is told where the text goes on, and is where the bracket stands
+            opening = _opening(lines, first)
+            first, last = opening, max(first, opening + 1)
+            begins = _ASSIGNMENT.match(lines[first])
+            fault = fault._replace(place=Place(first + 1, begins.start(2) + 1 if begins else 1, 1))
         faults.append(fault)
-        line = fault.place.line - 1
-        if len(faults) == MOST or line >= len(lines) or not _ASSIGNMENT.match(lines[line]):
+        if len(faults) == MOST or first >= len(lines) or not _ASSIGNMENT.match(lines[first]):
             return None, faults
-        lines[line] = ""
+        lines[first:last] = [""] * (last - first)
     return "\n".join(lines), faults
+
+
+def _opening(lines: list[str], line: int) -> int:
+    """The last line up to this one in which a value begins with a bracket that is not closed in it."""
+    for number in range(min(line, len(lines) - 1), -1, -1):
+        found = _ASSIGNMENT.match(lines[number])
+        if found and (found[2].count("[") > found[2].count("]") or found[2].count("{") > found[2].count("}")):
+            return number
+    return line
 
 
 def _explained(fault: SyntaxFault, text: str) -> tuple[str, str | None]:

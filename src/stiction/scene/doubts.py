@@ -111,6 +111,8 @@ def _likely_to_meet(simulation: Simulation) -> Iterator[tuple[int, int]]:
     table, world = simulation.scene.table, simulation.world
     shapes = [body.shape for body in world]
     entries = [placed.entry for placed in place(table)]
+    if not entries:
+        return
     time = table.duration
     low, high = _bounds(simulation)
     fall = np.where([[body.mobility == "dynamic"] for body in world], 0.5 * world.gravity * time**2, 0.0)
