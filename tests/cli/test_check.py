@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -33,6 +34,18 @@ def test_check_shows_line_and_marker_and_fails(
     assert lines[1] == "    3 │ duration = -1"
     assert lines[2] == "      │            ^^"
     assert "did you mean 'gravity'" in shown and "2 mistakes" in shown
+
+
+def test_what_the_page_of_commands_shows_is_what_check_says(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    page = (ROOT / "docs" / "cli.md").read_text(encoding="utf-8")
+    (body,) = re.findall(r"^```toml\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    (said,) = re.findall(r"^```text\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    Path("my_scene.toml").write_text(f'title = "t"\nexpect = "e."\nduration = 1\n\n{body}')
+    assert call(monkeypatch, "check", "my_scene.toml") == 1
+    assert capsys.readouterr().out == said
 
 
 def test_check_as_json(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

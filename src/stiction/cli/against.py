@@ -43,6 +43,10 @@ def against(
     from stiction.verify.against import OWN, all_trials, compare
 
     if list_:
+        if json:
+            keys = ("name", "title", "formula", "source")
+            print_json([{key: getattr(trial, key) for key in keys} for trial in all_trials()])
+            return
         made = table("Trials", ["trial", "what", "formula", "source"])
         for trial in all_trials():
             made.add_row(f"[bold]{trial.name}[/]", trial.title, trial.formula, trial.source)

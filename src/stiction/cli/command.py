@@ -9,10 +9,6 @@ from collections.abc import Callable
 from typing import Annotated, Any, NamedTuple
 
 import typer
-from rich.console import Console
-from rich.markup import escape
-from rich.panel import Panel
-from rich.table import Table
 from typer.core import TyperCommand
 
 from stiction.cli.complete import completer_of
@@ -59,6 +55,11 @@ class Command(TyperCommand):
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         """The help as typer prints it, and the examples below."""
+        from rich.console import Console
+        from rich.markup import escape
+        from rich.panel import Panel
+        from rich.table import Table
+
         super().format_help(ctx, formatter)
         grid = Table.grid(padding=(0, 2))
         grid.add_column(overflow="fold")

@@ -6,10 +6,12 @@ import json
 import math
 import shutil
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.table import Table
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 
 def _width() -> int | None:
@@ -63,6 +65,8 @@ def _finite(value: Any) -> Any:
 
 def table(title: str, columns: list[str], *, right: tuple[str, ...] = (), caption: str | None = None) -> Table:
     """An empty table in the style of all commands; columns named in ``right`` are numbers."""
+    from rich.table import Table
+
     made = Table(title=title, title_justify="left", title_style="bold", caption=caption, caption_justify="left")
     for column in columns:
         made.add_column(column, justify="right" if column in right else "left", overflow="fold")

@@ -64,6 +64,10 @@ def verify(
     from stiction.world import World
 
     if list_:
+        if json:
+            keys = ("name", "title", "formula", "source", "solvers")
+            print_json([{key: getattr(case, key) for key in keys} for case in all_cases()])
+            return
         made = table("Cases", ["case", "what", "formula", "source", "solvers"])
         for case in all_cases():
             made.add_row(f"[bold]{case.name}[/]", case.title, case.formula, case.source, " ".join(case.solvers))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from rich.table import Table
-
 from stiction import __version__
 from stiction.cli.console import out
 
@@ -39,6 +37,8 @@ NEXT: dict[str, dict[str, str]] = {
 
 def show() -> None:
     """Print them."""
+    from rich.table import Table
+
     grid = Table.grid(padding=(0, 2))
     grid.add_column(no_wrap=True)
     grid.add_column(style="dim")
