@@ -57,6 +57,7 @@ def _look(text: str, file: str) -> list[Finding]:
 
 def _print(file: str, text: str, found: list[Finding]) -> None:
     from rich.markup import escape
+    from rich.padding import Padding
 
     lines = text.splitlines()
     errors = sum(one.error for one in found)
@@ -70,9 +71,9 @@ def _print(file: str, text: str, found: list[Finding]) -> None:
             shown = lines[line - 1].expandtabs(1)
             out.print(f"[dim]{line:5} │[/] {escape(shown)}", soft_wrap=True)
             out.print(f"[dim]      │[/] {' ' * (column - 1)}[{color}]{'^' * length}[/]", soft_wrap=True)
-        out.print(f"        {path}{escape(one.text)}")
+        out.print(Padding(f"{path}{escape(one.text)}", (0, 0, 0, 8), expand=False))
         if one.suggestion and one.suggestion not in one.text:
-            out.print(f"        [cyan]{escape(one.suggestion)}.[/]")
+            out.print(Padding(f"[cyan]{escape(one.suggestion)}.[/]", (0, 0, 0, 8), expand=False))
         out.print()
     if not found:
         out.print(f"[green]{escape(file)}[/]: no mistakes.")

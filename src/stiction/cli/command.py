@@ -58,16 +58,15 @@ class Command(TyperCommand):
         from rich.console import Console
         from rich.markup import escape
         from rich.panel import Panel
-        from rich.table import Table
 
         super().format_help(ctx, formatter)
-        grid = Table.grid(padding=(0, 2))
-        grid.add_column(overflow="fold")
-        grid.add_column(style="dim")
-        for line, remark in self.examples:
-            grid.add_row(escape(line), escape(remark))
+        width = max((len(line) for line, remark in self.examples if remark), default=0)
+        rows = [
+            f"{escape(line)}{' ' * (width - len(line))}  [dim]# {escape(remark)}[/]" if remark else escape(line)
+            for line, remark in self.examples
+        ]
         title = f"Examples {escape(self.legend)}".strip()
-        Console(highlight=False).print(Panel(grid, title=title, title_align="left", border_style="dim"))
+        Console(highlight=False).print(Panel("\n".join(rows), title=title, title_align="left", border_style="dim"))
 
 
 Quiet = Annotated[

@@ -7,7 +7,7 @@ the key there.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -172,6 +172,9 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
+    OTHER_WORDS: ClassVar[dict[str, str]] = {}
+    """Words that others use for keys, and that look too different to be near."""
+
     @classmethod
     def keys(cls) -> list[str]:
         """The keys that a file may use."""
@@ -185,6 +188,8 @@ class Table(BaseModel):
             known = cls.keys()
             for key in data:
                 if key not in known:
-                    hint = checks.nearest(key, known) or f"; known are {', '.join(known)}"
+                    meant = cls.OTHER_WORDS.get(key)
+                    hint = f" (did you mean {meant!r}?)" if meant else checks.nearest(key, known)
+                    hint = hint or f"; known are {', '.join(known)}"
                     raise fault(f"is not a known key{hint}.", key=str(key))
         return data

@@ -6,7 +6,7 @@ Only what can be said of a key by itself is checked here; what two places of a f
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, model_validator
 
@@ -64,6 +64,11 @@ class WorldTable(Table):
 
 class PairTable(Table):
     """One pair of materials. What is left out keeps the value it has in the base table."""
+
+    OTHER_WORDS: ClassVar[dict[str, str]] = {
+        "friction": "static", "mu": "static", "mu_s": "static", "mu_d": "dynamic", "mu_k": "dynamic",
+        "kinetic": "dynamic", "bounce": "restitution", "material_a": "a", "material_b": "b",
+    }  # fmt: skip
 
     a: Text
     """One material."""
