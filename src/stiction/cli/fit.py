@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stiction.cli.console import complain, out, print_json, say, table
-from stiction.cli.progress import bar
+from stiction.cli.progress import Pace, bar
 from stiction.errors import InvalidInputError
 
 if TYPE_CHECKING:
@@ -81,6 +81,7 @@ def fit(
     parameters = parse_all(list(free or []), loaded.table)
     tracks = read_csv(data)
     problem = Problem(loaded, tracks, parameters, sigma=1e-3 * sigma_mm, sigma_angle=math.radians(sigma_deg))
+    pace = Pace()
     with bar(json) as tell:
         made = find(
             problem,
@@ -90,7 +91,7 @@ def fit(
             trials=trials,
             level=level,
             seed=seed,
-            on_progress=lambda state: tell(state.phase, state.done, state.total, _told(state)),
+            on_progress=lambda state: tell(state.phase, state.done, state.total, _told(state, pace)),
         )
     if json:
         print_json(as_dict(problem, made, level))
@@ -103,8 +104,10 @@ def fit(
         raise typer.Exit(130)
 
 
-def _told(state: State) -> str:
-    return f"{state.done} of at most {state.total} simulations, smallest misfit {state.rms:.4g} sigma"
+def _told(state: State, pace: Pace) -> str:
+    pace.note(state.done)
+    speed = f", {pace.rate:.3g}/s" if pace.rate else ""
+    return f"{state.done} of at most {state.total} simulations{speed}, smallest misfit {state.rms:.4g} sigma"
 
 
 def _show(problem: Problem, made: Fit, level: float) -> None:
