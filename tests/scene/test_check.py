@@ -70,6 +70,13 @@ force = [1, 0, 0]
 """
 
 
+@pytest.mark.parametrize(("word", "key"), [("friction", "static"), ("frction", "static"), ("mu_k", "dynamic")])
+def test_words_that_others_use_are_understood(word: str, key: str) -> None:
+    text = f'{HEAD}[[materials.pairs]]\na = "wood"\nb = "ice"\n{word} = 0.1\n'
+    (found,) = [one for one in check_scene(text, "x.toml") if one.error]
+    assert found.suggestion == key
+
+
 def test_every_mistake_is_told_once_in_its_line() -> None:
     assert lines(MANY) == [
         (2, "expct"), (3, "duration"), (5, "world.gravty"), (6, "world.solver"), (8, "materials.base"),

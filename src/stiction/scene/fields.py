@@ -188,8 +188,8 @@ class Table(BaseModel):
             known = cls.keys()
             for key in data:
                 if key not in known:
-                    meant = cls.OTHER_WORDS.get(key)
-                    hint = f" (did you mean {meant!r}?)" if meant else checks.nearest(key, known)
-                    hint = hint or f"; known are {', '.join(known)}"
+                    near = checks.nearest_word(key, [*known, *cls.OTHER_WORDS])
+                    meant = cls.OTHER_WORDS.get(near, near) if near is not None else None
+                    hint = f" (did you mean {meant!r}?)" if meant else f"; known are {', '.join(known)}"
                     raise fault(f"is not a known key{hint}.", key=str(key))
         return data
