@@ -106,7 +106,7 @@ def test_the_first_screen_fits_into_80_columns(monkeypatch: pytest.MonkeyPatch) 
     assert sum(line.startswith("  stiction") for line in text.splitlines()) == sum(map(len, welcome.NEXT.values()))
 
 
-@pytest.mark.parametrize("name", [name for name in COMMANDS if name not in {"view"}])
+@pytest.mark.parametrize("name", COMMANDS)
 def test_every_command_can_be_told_to_be_quiet(name: str) -> None:
     assert {"--quiet", "-q"} <= {word for parameter in COMMANDS[name].params for word in parameter.opts}
 
