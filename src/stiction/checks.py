@@ -144,10 +144,15 @@ def one_of(name: str, value: Any, allowed: Iterable[str]) -> str:
 
 def nearest(value: Any, known: Iterable[str]) -> str:
     """' (did you mean ...?)' for the known word nearest to ``value``, or nothing."""
-    words = list(known)
-    folded = {word.lower(): word for word in reversed(words)}
+    word = nearest_word(value, known)
+    return f" (did you mean {word!r}?)" if word is not None else ""
+
+
+def nearest_word(value: Any, known: Iterable[str]) -> str | None:
+    """The known word nearest to ``value``, if one is near."""
+    folded = {word.lower(): word for word in reversed(list(known))}
     match = difflib.get_close_matches(str(value).lower(), list(folded), n=1, cutoff=0.5)
-    return f" (did you mean {folded[match[0]]!r}?)" if match else ""
+    return folded[match[0]] if match else None
 
 
 def _unit(unit: str) -> str:

@@ -13,6 +13,20 @@ class InvalidInputError(StictionError, ValueError):
     """A value at the public face is not allowed. Nothing has been changed."""
 
 
+class InvalidFileError(InvalidInputError):
+    """Something in a file that a user wrote is not allowed.
+
+    Attributes:
+        file: its name.
+        line: where it is, from 1; None if it is nowhere in particular.
+    """
+
+    def __init__(self, message: str, *, file: str, line: int | None) -> None:
+        super().__init__(message)
+        self.file = file
+        self.line = line
+
+
 class NotYetError(StictionError, NotImplementedError):
     """A documented feature that this version does not have."""
 

@@ -12,7 +12,8 @@ import pytest
 
 import stiction as st
 from stiction import BrushTyre, InvalidInputError, MaterialWarning
-from stiction.scene import Scene, builtin_names, builtin_text, json_schema, load
+from stiction.errors import InvalidFileError
+from stiction.scene import Scene, Simulation, builtin_names, builtin_text, json_schema, load
 
 HEAD = 'title = "t"\nexpect = "e."\nduration = 1.0\n'
 FLOOR = '[[bodies]]\nname = "floor"\nshape = {type = "plane"}\nstatic = true\n'
@@ -26,12 +27,16 @@ def scene_of(tmp_path: Path, text: str) -> Scene:
 
 
 def refusal(tmp_path: Path, text: str) -> str:
-    """The one sentence with which a scene is refused, by load or by build."""
-    with pytest.raises(InvalidInputError) as caught:
+    """The one sentence with which a scene is refused, by load or by build, without the file and the line in front."""
+    with pytest.raises(InvalidFileError) as caught:
         scene_of(tmp_path, text).build()
-    sentence = str(caught.value)
+    error = caught.value
+    sentence, file = str(error), str(tmp_path / "scene.toml")
     assert sentence.endswith(".") and "\n" not in sentence
-    return sentence
+    assert error.file == file
+    where = file if error.line is None else f"{file}, line {error.line}"
+    assert sentence.startswith(where)
+    return sentence.removeprefix(f"{where}: ")
 
 
 def test_everything_a_body_says_comes_out_in_the_world(tmp_path: Path) -> None:
@@ -314,6 +319,15 @@ REFUSED: dict[str, tuple[str, str]] = {
         HEAD + CHANGE.replace('body = "paddle"', 'body = "crate"'),
         "velocity_changes[0].body: must be a kinematic body, and 'crate' is not.",
     ),
+    "centre without inertia": (
+        HEAD + CRATE + "center_of_mass = [0, 0, 0.1]\n",
+        "bodies[0].center_of_mass: needs inertia beside it",
+    ),
+    "inertia": (HEAD + CRATE + "inertia = [1, 2]\n", "bodies[0].inertia: must be three moments or a tensor of"),
+    "inertia of no body": (
+        HEAD + CRATE + "inertia = [1, 1, 3]\n",
+        "bodies[0]: inertia must obey the triangle inequality",
+    ),
     # what only the world knows
     "dynamic plane": (HEAD + FLOOR.replace("true", "false"), "bodies[0]: a Plane must be static=True or kinematic=Tru"),
     "moving static": (HEAD + CRATE + "static = true\nvelocity = [1, 0, 0]\n", "bodies[0]: velocity and angular_veloci"),
@@ -419,3 +433,43 @@ def test_the_schema_knows_every_key_and_refuses_others() -> None:
     assert definitions["BoxTable"]["properties"]["size"]["minItems"] == 3
     assert definitions["BodyTable"]["properties"]["density"]["description"].startswith("kg/m^3")
     assert definitions["WorldTable"]["properties"]["dt"]["exclusiveMinimum"] == 0
+
+
+def test_a_body_may_be_loaded_on_one_side(tmp_path: Path) -> None:
+    text = HEAD + CRATE + "mass = 2\ninertia = [0.3, 0.3, 0.4]\ncenter_of_mass = [0, 0.1, -0.2]\n"
+    text += "position = [1, 0, 0]\nrotation = {axis = [1, 0, 0], angle_deg = 90}\n"
+    scene = scene_of(tmp_path, text)
+    crate = scene.build()["crate"]
+    np.testing.assert_allclose(crate.center_of_mass, [1, 0.2, 0.1], atol=1e-15)
+    np.testing.assert_allclose(crate.position, [1, 0, 0], atol=1e-15)
+    world = st.World()
+    other = world.add(
+        st.Box((1, 1, 1)),
+        mass=2,
+        inertia=(0.3, 0.3, 0.4),
+        center_of_mass=(0, 0.1, -0.2),
+        orientation=(math.sqrt(0.5), math.sqrt(0.5), 0, 0),
+    )
+    np.testing.assert_allclose(crate.inertia, other.inertia)
+    again = Scene.from_dict(json.loads(json.dumps(scene.to_dict())))
+    assert again == scene
+    assert again.build().state_hash() == scene.build().state_hash()
+    heavier = load(tmp_path / "scene.toml", ["bodies.crate.center_of_mass[2]=-0.3"])
+    np.testing.assert_allclose(heavier.build()["crate"].center_of_mass, [1, 0.3, 0.1], atol=1e-15)
+
+
+def test_inertia_may_be_a_tensor(tmp_path: Path) -> None:
+    tensor = [[0.3, 0.01, 0.0], [0.01, 0.3, 0.0], [0.0, 0.0, 0.4]]
+    scene = scene_of(tmp_path, HEAD + CRATE + f"inertia = {tensor}\n")
+    np.testing.assert_allclose(scene.build()["crate"].inertia, tensor)
+    assert Scene.from_dict(scene.to_dict()) == scene
+
+
+def test_a_spring_at_the_centre_of_mass_does_not_turn_a_body_that_is_loaded_on_one_side(tmp_path: Path) -> None:
+    text = HEAD + "[world]\ngravity = [0, 0, 0]\n" + CRATE + "inertia = [9, 9, 9]\ncenter_of_mass = [0, 0, -0.2]\n"
+    text += '[[springs]]\nbody = "crate"\nstiffness = 100\nanchor = [1, 0, -0.2]\n'
+    turned, held = (Simulation(scene_of(tmp_path, text + f"at = [0, 0, {z}]\n")) for z in (0.0, -0.2))
+    for simulation in (turned, held):
+        simulation.advance(10)
+    assert np.linalg.norm(held.world["crate"].angular_velocity) == 0.0
+    assert np.linalg.norm(turned.world["crate"].angular_velocity) > 1e-3

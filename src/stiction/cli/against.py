@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
-from stiction.cli.console import out, print_json, say, table
+from stiction.cli.console import out, print_json, table
+from stiction.cli.progress import counting
 
 if TYPE_CHECKING:
     from stiction.verify.against import Comparison
@@ -42,6 +43,10 @@ def against(
     from stiction.verify.against import OWN, all_trials, compare
 
     if list_:
+        if json:
+            keys = ("name", "title", "formula", "source")
+            print_json([{key: getattr(trial, key) for key in keys} for trial in all_trials()])
+            return
         made = table("Trials", ["trial", "what", "formula", "source"])
         for trial in all_trials():
             made.add_row(f"[bold]{trial.name}[/]", trial.title, trial.formula, trial.source)
@@ -50,7 +55,8 @@ def against(
     for option, path in outputs._asdict().items():
         if path is not None:
             files.writable(f"--{option}", path)
-    found = compare(engines_named(engines), trials, dt, solver, progress=None if json else say)
+    with counting(quiet=json) as on_begin:
+        found = compare(engines_named(engines), trials, dt, solver, progress=on_begin)
     _write(found, outputs)
     if json:
         print_json(found.as_dict())

@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from stiction import outputs
-from stiction.cli.console import complain, err, out, print_json, say, table
+from stiction.cli.console import complain, out, print_json, say, table
+from stiction.cli.progress import counting
 from stiction.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from stiction.bench import Plan, Table
-
-EXAMPLES = """
-\b
-Examples:
-  stiction bench                      pyramid and pile, all engines here
-  stiction bench pile --against robox3d --sizes 1000,4000 --plot pile.png
-  stiction bench card-house arch      what stands, and how far it moved
-  stiction bench heap --against none --profile
-
-Peers are installed with: pip install "stiction\\[peers]"
-"""
 
 
 def bench(
@@ -51,7 +39,17 @@ def bench(
     profile: Annotated[bool, typer.Option("--profile", help="Time of each stage of stiction's step.")] = False,
     list_: Annotated[bool, typer.Option("--list", help="List scenes and engines.")] = False,
 ) -> None:
-    """Time scenes in stiction and in other engines, and say beside the time how deep bodies sink and what stands."""
+    """Time scenes in stiction and in other engines, and say beside the time how deep bodies sink and what stands.
+
+    Peers are installed with: pip install "stiction\\[peers]".
+
+    \b
+    Examples:
+      stiction bench                      # pyramid and pile, all engines here
+      stiction bench pile --against robox3d --sizes 1000,4000 --plot pile.png
+      stiction bench card-house arch      # what stands, and how far it moved
+      stiction bench heap --against none --profile
+    """
     from stiction.bench import Plan, Table, run_plan
 
     if list_:
@@ -80,7 +78,8 @@ def bench(
     found = Table()
     interrupted = False
     try:
-        with _progress(plan, quiet=json) as progress:
+        total = len(list(plan.groups())) * len(plan.engines) * plan.runs
+        with counting(total, json) as progress:
             run_plan(plan, found, progress)
     except KeyboardInterrupt:
         interrupted = True
@@ -93,9 +92,6 @@ def bench(
         say(f"plot: {plot}")
     if interrupted:
         raise typer.Exit(130)
-
-
-bench.__doc__ = f"{bench.__doc__}\n\n{EXAMPLES}"
 
 
 def _engines(against: str) -> tuple[str, ...]:
@@ -132,26 +128,6 @@ def _sizes(text: str | None) -> tuple[int, ...]:
     if min(sizes) < 1:
         raise InvalidInputError(f"--sizes must be 1 or more, got {text!r}.")
     return sizes
-
-
-@contextmanager
-def _progress(plan: Plan, quiet: bool) -> Iterator[Callable[[str], None] | None]:
-    """A bar on a terminal, a line for each run in a log."""
-    if not err.is_terminal:
-        yield None if quiet else lambda what: say(f"  {what} …")
-        return
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-    total = len(list(plan.groups())) * len(plan.engines) * plan.runs
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=err, transient=True) as bar:
-        task = bar.add_task("starting", total=total)
-
-        def tell(what: str) -> None:
-            bar.update(task, description=what)
-            bar.advance(task)
-
-        yield tell
 
 
 def _show(plan: Plan, found: Table, interrupted: bool, *, json: bool, profile: bool) -> None:

@@ -6,10 +6,12 @@ import json
 import math
 import shutil
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.table import Table
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 
 def _width() -> int | None:
@@ -21,14 +23,31 @@ out = Console(width=_width(), highlight=False)
 err = Console(stderr=True, highlight=False)
 
 
+class _Talk:
+    """Whether commands tell what is going on."""
+
+    quiet = False
+
+
+def hush(quiet: bool) -> None:
+    """Say nothing but results, warnings and errors from now on, or talk again."""
+    _Talk.quiet = quiet
+
+
+def is_quiet() -> bool:
+    """Whether ``--quiet`` was given."""
+    return _Talk.quiet
+
+
 def complain(text: str) -> None:
-    """One line on standard error, never wrapped or coloured."""
+    """One line on standard error, never wrapped or coloured: a warning or an error, told in any case."""
     print(f"stiction: {text}", file=sys.stderr)
 
 
 def say(text: str) -> None:
-    """What is going on, on standard error."""
-    err.print(text, soft_wrap=True)
+    """What is going on, on standard error; nothing with ``--quiet``."""
+    if not is_quiet():
+        err.print(text, soft_wrap=True)
 
 
 def print_json(value: Any) -> None:
@@ -46,6 +65,8 @@ def _finite(value: Any) -> Any:
 
 def table(title: str, columns: list[str], *, right: tuple[str, ...] = (), caption: str | None = None) -> Table:
     """An empty table in the style of all commands; columns named in ``right`` are numbers."""
+    from rich.table import Table
+
     made = Table(title=title, title_justify="left", title_style="bold", caption=caption, caption_justify="left")
     for column in columns:
         made.add_column(column, justify="right" if column in right else "left", overflow="fold")

@@ -32,6 +32,8 @@ def export(
     from stiction.record.recording import Recording
 
     check_target("OUT", out)
-    with Recording.open(file) as recording, progress(recording.title, False, "exporting") as on_progress:
-        write(recording, out, start, stop, on_progress)
+    with Recording.open(file) as recording:
+        title = recording.title
+        with progress(title, doing="exporting", unit="frames", compiles=False) as on_progress:
+            write(recording, out, start, stop, on_progress)
     say(f"{out.suffix[1:]}: {out}")

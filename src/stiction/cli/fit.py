@@ -3,41 +3,17 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stiction.cli.console import complain, err, out, print_json, say, table
+from stiction.cli.console import complain, out, print_json, say, table
+from stiction.cli.progress import Pace, bar
 from stiction.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from stiction.fit import Fit, Problem, State
-
-EXAMPLES = """
-\b
-Examples (WOOD stands for materials.pairs.wood-concrete):
-  stiction fit slide.csv my.toml --free WOOD.dynamic
-  stiction fit pull.csv pull --free WOOD.static --free WOOD.dynamic
-  stiction fit pull.csv pull --free WOOD.static+WOOD.dynamic=0.1:0.6
-  stiction fit ball.csv my.toml --free WOOD.restitution
-      --free "bodies.ball.velocity[2]=-1:1" --loss soft_l1 --plot left.png
-  stiction fit tosses.csv my.toml --free WOOD.dynamic --bootstrap 200
-
-\b
-DATA.csv has a line of column names and then a sample a line:
-  t            time in s from the start of the scene
-  x y z        position in m; those that were measured
-  qw qx qy qz  orientation, a unit quaternion; may be left out
-  body         its name in the scene; may be left out for one body
-An empty cell is a sample that is missing.
-"""
-
-LOG_EVERY = 10.0
-"""s from one line to the next where there is no terminal."""
 
 
 def fit(
@@ -69,7 +45,25 @@ def fit(
     plot: Annotated[Path | None, typer.Option(help="Draw the residuals (PNG, SVG or PDF).")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
-    """Find coefficients of a scene from measured motion, with intervals, and say what the data do not tell."""
+    """Find coefficients of a scene from measured motion, with intervals, and say what the data do not tell.
+
+    \b
+    DATA.csv has a line of column names and then a sample a line:
+      t            time in s from the start of the scene
+      x y z        position in m; those that were measured
+      qw qx qy qz  orientation, a unit quaternion; may be left out
+      body         its name in the scene; may be left out for one body
+    An empty cell is a sample that is missing.
+
+    \b
+    Examples (WOOD stands for materials.pairs.wood-concrete):
+      stiction fit slide.csv my.toml --free WOOD.dynamic
+      stiction fit pull.csv pull --free WOOD.static --free WOOD.dynamic
+      stiction fit pull.csv pull --free WOOD.static+WOOD.dynamic=0.1:0.6
+      stiction fit ball.csv my.toml --free WOOD.restitution \\
+          --free "bodies.ball.velocity[2]=-1:1" --loss soft_l1 --plot left.png
+      stiction fit tosses.csv my.toml --free WOOD.dynamic --bootstrap 200
+    """
     from stiction.checks import one_of
     from stiction.fit import LOSSES, Problem, parse_all, read_csv
     from stiction.fit import fit as find
@@ -87,7 +81,8 @@ def fit(
     parameters = parse_all(list(free or []), loaded.table)
     tracks = read_csv(data)
     problem = Problem(loaded, tracks, parameters, sigma=1e-3 * sigma_mm, sigma_angle=math.radians(sigma_deg))
-    with _progress(json) as on_progress:
+    pace = Pace()
+    with bar(json) as tell:
         made = find(
             problem,
             starts=starts,
@@ -96,7 +91,7 @@ def fit(
             trials=trials,
             level=level,
             seed=seed,
-            on_progress=on_progress,
+            on_progress=lambda state: tell(state.phase, state.done, state.total, _told(state, pace)),
         )
     if json:
         print_json(as_dict(problem, made, level))
@@ -109,33 +104,10 @@ def fit(
         raise typer.Exit(130)
 
 
-fit.__doc__ = f"{fit.__doc__}\n\n{EXAMPLES}"
-
-
-@contextmanager
-def _progress(quiet: bool) -> Iterator[Callable[[State], None]]:
-    """A spinner on a terminal; in a log, a line now and then."""
-    if err.is_terminal:
-        from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-        columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
-        with Progress(*columns, console=err, transient=True) as bar:
-            task = bar.add_task("starting", total=None)
-            yield lambda state: bar.update(task, description=_told(state))
-        return
-    last = time.monotonic()
-
-    def tell(state: State) -> None:
-        nonlocal last
-        if not quiet and time.monotonic() - last >= LOG_EVERY:
-            last = time.monotonic()
-            say(f"  {_told(state)}")
-
-    yield tell
-
-
-def _told(state: State) -> str:
-    return f"{state.phase}: {state.done} simulations, smallest misfit {state.rms:.4g} sigma"
+def _told(state: State, pace: Pace) -> str:
+    pace.note(state.done)
+    speed = f", {pace.rate:.3g}/s" if pace.rate else ""
+    return f"{state.done} of at most {state.total} simulations{speed}, smallest misfit {state.rms:.4g} sigma"
 
 
 def _show(problem: Problem, made: Fit, level: float) -> None:

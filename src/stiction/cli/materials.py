@@ -25,7 +25,14 @@ def materials(
     ] = "default",
     json: Annotated[bool, typer.Option("--json", help="Print as JSON.")] = False,
 ) -> None:
-    """Print the coefficients of a pair of materials and where they come from; without names, the whole table."""
+    """Print the coefficients of a pair of materials and where they come from; without names, the whole table.
+
+    \b
+    Examples:
+      stiction materials rubber concrete
+      stiction materials --table lecture    # the nine rows of the slides
+      stiction materials wood ice --json
+    """
     chosen = TABLES[checks.one_of("--table", table_name, TABLES)]()
     if a is not None and b is None:
         raise InvalidInputError(f"materials must be named in pairs, got only {a!r}; name the one it touches too.")

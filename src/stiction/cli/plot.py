@@ -66,8 +66,9 @@ def plot(
         from stiction.record.hdf5 import restore
 
         seconds = float(track.frames.times[-1]) if len(track.frames) > 1 else None
-        with progress(track.frames.title, False) as on_progress:
-            track = observe(restore(recording), seconds, on_progress=on_progress)
+        simulation = restore(recording)
+        with progress(track.frames.title, dt=simulation.world.dt) as on_progress:
+            track = observe(simulation, seconds, on_progress=on_progress)
     write(chosen, track, body)
 
 

@@ -52,7 +52,7 @@ def replay(
             return
         from stiction.record.replay import check as run_again
 
-        with progress(recording.title, json, "comparing") as on_progress:
+        with progress(recording.title, json, "comparing", dt=recording.dt) as on_progress:
             result = run_again(recording, first * recording.dt, last * recording.dt, on_progress)
         if json:
             print_json({"file": str(file), "same": result.same, **asdict(result)})

@@ -90,7 +90,7 @@ def run(
     try:
         keep = {"contacts": record_contacts, "precision": "full" if record_full else "display"}
         title = simulation.scene.title
-        with _writer(record, simulation, keep) as writer, progress(title, json) as on_progress:
+        with _writer(record, simulation, keep) as writer, progress(title, json, dt=world.dt) as on_progress:
             run_simulation(simulation, recorder=recorder, writer=writer, on_progress=on_progress)
     except KeyboardInterrupt:
         kept = f"; what was recorded until then is in {record}" if record else ""

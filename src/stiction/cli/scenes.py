@@ -14,7 +14,14 @@ def scenes(
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of scene files.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print the list as JSON.")] = False,
 ) -> None:
-    """List the built-in scenes, each with one sentence that says what must happen."""
+    """List the built-in scenes, each with one sentence that says what must happen.
+
+    \b
+    Examples:
+      stiction scenes
+      stiction scenes ramp > my.toml    # a file to start your own from
+      stiction scenes --schema > scene.schema.json    # for an editor
+    """
     from stiction.scene import builtin_names, builtin_text, json_schema, load
 
     if schema:

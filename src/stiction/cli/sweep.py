@@ -3,35 +3,18 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction.cli.console import complain, err, out, print_json, say, table
+from stiction.cli.console import complain, out, print_json, say, table
+from stiction.cli.progress import bar, span
 from stiction.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from stiction.sweep import Outcome, Progress, Sweep, SweepPlan
 
-EXAMPLES = """
-\b
-Examples:
-  stiction sweep slip-tip-hold --plan    how many runs, how long, how large
-  stiction sweep slip-tip-hold           441 runs: a table and a map
-  stiction sweep slip-tip-hold --show > my.toml
-  stiction sweep my.toml --workers 2 --set bodies.crate.mass=20
-  stiction sweep my.toml --resume        go on after a stop or a kill
-  stiction sweep my.toml --backend ray --address auto
-
-Parquet files need pyarrow, --backend ray needs Ray: pip install "stiction\\[sweep]" or "stiction\\[ray]"
-"""
-
-LOG_EVERY = 10.0
-"""s from one line to the next where there is no terminal for a bar."""
 MOST_ERRORS = 3
 """Different errors that are shown."""
 
@@ -67,7 +50,21 @@ def sweep(
     functions: Annotated[bool, typer.Option("--functions", help="List what metrics can ask of a run.")] = False,
     schema: Annotated[bool, typer.Option("--schema", help="Print the JSON schema of sweep files.")] = False,
 ) -> None:
-    """Run a scene many times with different values, and make a table of what came of it."""
+    """Run a scene many times with different values, and make a table of what came of it.
+
+    Parquet files need pyarrow, --backend ray needs Ray: pip install "stiction\\[sweep]" or "stiction\\[ray]".
+
+    Exit status 1 if no run finished without an error.
+
+    \b
+    Examples:
+      stiction sweep slip-tip-hold --plan    # how many runs, how long, how large
+      stiction sweep slip-tip-hold           # 441 runs: a table and a map
+      stiction sweep slip-tip-hold --show > my.toml
+      stiction sweep my.toml --workers 2 --set bodies.crate.mass=20
+      stiction sweep my.toml --resume        # go on after a stop or a kill
+      stiction sweep my.toml --backend ray --address auto
+    """
     from stiction import sweep as sweeps
 
     if list_ or functions or schema:
@@ -89,7 +86,7 @@ def sweep(
         return
 
     folder = out_ or Path(f"{loaded.name}.sweep")
-    with _progress(json) as on_progress:
+    with bar(json) as tell:
         outcome = sweeps.run_sweep(
             loaded,
             folder,
@@ -97,7 +94,7 @@ def sweep(
             path=table_,
             resume=resume,
             retry=retry,
-            on_progress=on_progress,
+            on_progress=lambda now: tell(now.phase, now.done, now.total, _told(now)),
         )
     picture = None
     if loaded.table.map is not None and outcome.done:
@@ -108,9 +105,8 @@ def sweep(
     if outcome.interrupted:
         complain(f"interrupted; go on with: stiction sweep {spec} --out {folder} --resume")
         raise typer.Exit(130)
-
-
-sweep.__doc__ = f"{sweep.__doc__}\n\n{EXAMPLES}"
+    if outcome.done == outcome.failed:
+        raise typer.Exit(1)
 
 
 def _text(spec: str) -> str:
@@ -144,8 +140,8 @@ def _print_plan(loaded: Sweep, plan: SweepPlan, json: bool) -> None:
     made = table(loaded.title, ["", ""])
     varying = ", ".join(f"{name}: {count}" for name, count in plan.parameters.items())
     made.add_row("runs", f"{plan.runs} ({varying})")
-    made.add_row("a run", f"{plan.steps} steps, {_time(plan.seconds_per_run)}; at most {_time(plan.slowest)}")
-    made.add_row("together", f"{_time(plan.seconds)} with {plan.workers} workers")
+    made.add_row("a run", f"{plan.steps} steps, {span(plan.seconds_per_run)}; at most {span(plan.slowest)}")
+    made.add_row("together", f"{span(plan.seconds)} with {plan.workers} workers")
     made.add_row("on disk", f"table {_size(plan.table_bytes)}, journals {_size(plan.journal_bytes)}")
     made.add_row("tried", f"{plan.tried} runs, {plan.failed} failed")
     out.print(made)
@@ -153,37 +149,9 @@ def _print_plan(loaded: Sweep, plan: SweepPlan, json: bool) -> None:
         complain(f"a run failed: {plan.first_error}")
 
 
-@contextmanager
-def _progress(quiet: bool) -> Iterator[Callable[[Progress], None]]:
-    """A bar on a terminal; in a log, a line now and then."""
-    if err.is_terminal:
-        from rich.progress import BarColumn, SpinnerColumn, TextColumn
-        from rich.progress import Progress as Bar
-
-        columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[told]}"))
-        with Bar(*columns, console=err, transient=True) as bar:
-            task = bar.add_task("starting", total=None, told="")
-
-            def show(now: Progress) -> None:
-                bar.update(task, description=now.phase, completed=now.done, total=now.total, told=_told(now))
-
-            yield show
-        return
-    last, phase = 0.0, ""
-
-    def tell(now: Progress) -> None:
-        nonlocal last, phase
-        if quiet or (now.phase == phase and time.monotonic() - last < LOG_EVERY):
-            return
-        last, phase = time.monotonic(), now.phase
-        say(f"  {now.phase}: {_told(now)}")
-
-    yield tell
-
-
 def _told(now: Progress) -> str:
     failed = f", {now.failed} failed" if now.failed else ""
-    speed = f", {now.rate:.3g}/s, {_time(now.left)} left" if now.rate and now.done < now.total else ""
+    speed = f", {now.rate:.3g}/s, {span(now.left)} left" if now.rate and now.done < now.total else ""
     return f"{now.done}/{now.total}{failed}{speed}"
 
 
@@ -222,7 +190,7 @@ def _show(loaded: Sweep, outcome: Outcome, picture: Path | None, json: bool) -> 
     found = f" ({outcome.found} of them before)" if outcome.found else ""
     out.print(
         f"{outcome.done} of {outcome.total} runs finished{found}, {outcome.failed} failed; "
-        f"{session} in {_time(outcome.seconds)}{speed}."
+        f"{session} in {span(outcome.seconds)}{speed}."
     )
     if outcome.deaths:
         out.print(f"Workers died {outcome.deaths} times; what they had finished was kept, the rest done again.")
@@ -253,17 +221,6 @@ def _spread(values: list[Any]) -> dict[str, Any]:
 
 def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.4g}"
-
-
-def _time(seconds: float) -> str:
-    if not math.isfinite(seconds):
-        return "?"
-    if seconds < 1.0:
-        return f"{1e3 * seconds:.3g} ms"
-    if seconds < 120.0:
-        return f"{seconds:.3g} s"
-    minutes = seconds / 60.0
-    return f"{minutes:.3g} min" if minutes < 120.0 else f"{minutes / 60.0:.3g} h"
 
 
 def _size(size: float) -> str:

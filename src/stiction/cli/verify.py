@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from stiction.cli.console import out, print_json, say, table
+from stiction.cli.console import out, print_json, table
+from stiction.cli.progress import counting
 from stiction.errors import InvalidInputError
 
 NUMBERS = ("expected", "measured", "error", "tolerance")
@@ -34,7 +35,16 @@ def verify(
     sweeps: Annotated[int, typer.Option(help="With --fclib: the most sweeps for a problem.")] = 100_000,
     seconds: Annotated[float, typer.Option(help="With --fclib: wall time in s for a problem.")] = 30.0,
 ) -> None:
-    """Measure closed-form cases and compare; exit status 1 if one fails that this solver should pass."""
+    """Measure closed-form cases and compare; exit status 1 if one fails that this solver should pass.
+
+    \b
+    Examples:
+      stiction verify                      # all cases, some minutes
+      stiction verify slide-to-roll tip-or-slide --dt 0.004
+      stiction verify --solver micro --json > micro.json
+      stiction verify --against mujoco,rapier3d --plot friction.png
+      stiction verify --fclib problems     # a folder of contact problems
+    """
     if against is not None:
         from stiction.cli.against import Outputs
         from stiction.cli.against import against as ask_all
@@ -54,6 +64,10 @@ def verify(
     from stiction.world import World
 
     if list_:
+        if json:
+            keys = ("name", "title", "formula", "source", "solvers")
+            print_json([{key: getattr(case, key) for key in keys} for case in all_cases()])
+            return
         made = table("Cases", ["case", "what", "formula", "source", "solvers"])
         for case in all_cases():
             made.add_row(f"[bold]{case.name}[/]", case.title, case.formula, case.source, " ".join(case.solvers))
@@ -61,7 +75,8 @@ def verify(
         return
 
     solver = World(solver=solver).solver
-    results = run(cases or None, solver=solver, dt=dt, progress=None if json else lambda name: say(f"  {name} …"))
+    with counting(len(cases or all_cases()), json) as on_begin:
+        results = run(cases or None, solver=solver, dt=dt, progress=on_begin)
     summary = summarise(results)
     if json:
         print_json([row.as_dict() for row in results])

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import typer
 
-from stiction.cli.console import complain, out, print_json, say, table
+from stiction.cli.console import complain, out, print_json, table
+from stiction.cli.progress import counting
 from stiction.verify.problems import COUNTS, DEFAULT, ProblemResult, Skipped, measure_files, problem_files
 
 LEGEND = (
@@ -21,14 +22,14 @@ def verify_problems(folder: Path, *, tolerance: float, sweeps: int, seconds: flo
     results: list[ProblemResult] = []
     skipped: list[Skipped] = []
     interrupted = False
-    progress = None if json else lambda name: say(f"  {name} …")
     try:
-        for found in measure_files(files, tolerance=tolerance, sweeps=sweeps, seconds=seconds, progress=progress):
-            if isinstance(found, Skipped):
-                skipped.append(found)
-                complain(f"skipped: {found.reason}")
-            else:
-                results.append(found)
+        with counting(len(files), json) as on_begin:
+            for found in measure_files(files, tolerance=tolerance, sweeps=sweeps, seconds=seconds, progress=on_begin):
+                if isinstance(found, Skipped):
+                    skipped.append(found)
+                    complain(f"skipped: {found.reason}")
+                else:
+                    results.append(found)
     except KeyboardInterrupt:
         interrupted = True
         complain("interrupted; what was measured until then follows.")

@@ -8,16 +8,24 @@ from stiction.cli.console import out, say
 
 
 def warmup() -> None:
-    """Compile the kernels for this machine, or load them if that was done before, and say how long it took."""
+    """Compile the kernels for this machine, or load them if that was done before, and say how long it took.
+
+    \b
+    Examples:
+      stiction warmup
+      stiction warmup --quiet    # in the recipe of a container
+    """
     from stiction import Box, Plane, World
+    from stiction.cli.kernels import noting_times
     from stiction.core import jit
 
     say("compiling kernels, about 20 s …" if jit.is_cold() else "kernels lie in the cache; loading them …")
     began = time.perf_counter()
-    world = World()
-    world.add(Plane(), static=True)
-    world.add(Box((1, 1, 1)), position=(0, 0, 0.5))
-    world.step()
-    world.add(Box((1, 1, 1)), position=(0, 0, 1.5))  # from here on boxes meet boxes: the second variant
-    world.step()
+    with noting_times():
+        world = World()
+        world.add(Plane(), static=True)
+        world.add(Box((1, 1, 1)), position=(0, 0, 0.5))
+        world.step()
+        world.add(Box((1, 1, 1)), position=(0, 0, 1.5))  # from here on boxes meet boxes: the second variant
+        world.step()
     out.print(f"kernels ready in {time.perf_counter() - began:.1f} s, kept in {jit.kernel_folder()}")

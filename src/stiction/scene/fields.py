@@ -7,7 +7,7 @@ the key there.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -71,6 +71,19 @@ def _points(value: Any) -> tuple[tuple[float, ...], ...]:
     return tuple(_numbers(3)(item) for item in value)
 
 
+def _inertia(value: Any) -> tuple[Any, ...]:
+    try:
+        return _numbers(3)(value)
+    except PydanticCustomError:
+        pass
+    if isinstance(value, (list, tuple)) and len(value) == 3:
+        try:
+            return tuple(_numbers(3)(row) for row in value)
+        except PydanticCustomError:
+            pass
+    raise fault(f"must be three moments or a tensor of three rows of three numbers, got {value!r}.")
+
+
 def _flag(value: Any) -> bool:
     if not isinstance(value, bool):
         raise fault(f"must be true or false, got {value!r}.")
@@ -127,6 +140,11 @@ Direction = Annotated[Vector, AfterValidator(_direction)]
 Lengths = Annotated[Vector, AfterValidator(_lengths)]
 Quaternion = Annotated[tuple[float, float, float, float], BeforeValidator(_numbers(4)), AfterValidator(_direction)]
 Points = Annotated[tuple[tuple[float, float, float], ...], BeforeValidator(_points)]
+Inertia = Annotated[
+    tuple[float, float, float]
+    | tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]],
+    BeforeValidator(_inertia),
+]
 Counts = Annotated[tuple[int, int, int], BeforeValidator(_counts)]
 Flag = Annotated[bool, BeforeValidator(_flag)]
 Text = Annotated[str, BeforeValidator(_text)]
@@ -154,6 +172,9 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
+    OTHER_WORDS: ClassVar[dict[str, str]] = {}
+    """Words that others use for keys, and that look too different to be near."""
+
     @classmethod
     def keys(cls) -> list[str]:
         """The keys that a file may use."""
@@ -167,6 +188,8 @@ class Table(BaseModel):
             known = cls.keys()
             for key in data:
                 if key not in known:
-                    hint = checks.nearest(key, known) or f"; known are {', '.join(known)}"
+                    near = checks.nearest_word(key, [*known, *cls.OTHER_WORDS])
+                    meant = cls.OTHER_WORDS.get(near, near) if near is not None else None
+                    hint = f" (did you mean {meant!r}?)" if meant else f"; known are {', '.join(known)}"
                     raise fault(f"is not a known key{hint}.", key=str(key))
         return data

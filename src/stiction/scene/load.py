@@ -7,12 +7,14 @@ import tomllib
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from stiction.checks import nearest
-from stiction.errors import InvalidInputError
+from stiction.errors import InvalidFileError, InvalidInputError
 from stiction.scene.model import SceneTable
+from stiction.scene.origin import Origin, naming_lines
 from stiction.scene.overrides import apply_overrides
+from stiction.scene.positions import Place
 from stiction.scene.scene import Scene
 from stiction.scene.validate import validate
 
@@ -61,23 +63,28 @@ def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Scene:
         overrides: changes such as ``world.dt=0.01``, see :func:`stiction.scene.overrides.apply_overrides`.
 
     Raises:
-        InvalidInputError: no such scene, a file that cannot be read, a syntax error (with its line), or something in it
-            that is not allowed (with the path of its key).
+        InvalidInputError: no such scene, or a file that cannot be read.
+        InvalidFileError: a syntax error, or something in a file that is not allowed (with its line and the path of its
+            key). :func:`stiction.scene.check.check_scene` tells all of them.
 
     Warns:
         MaterialWarning: dynamic friction of a pair is above its static friction.
     """
     text = str(name_or_path)
+    origin = None
     if is_path(name_or_path):
-        data = parse(read_text(Path(text), "scene file"), text)
+        origin = Origin(text, read_text(Path(text), "scene file"))
+        data = parse(origin.text, text)
         name = Path(text).stem
     else:
         data = parse(builtin_text(text), text + SUFFIX)
         name = text
-    table = validate(data)
-    if overrides:
-        table = apply_overrides(table, overrides)
-    return Scene(table, name)
+    with naming_lines(origin):
+        table = validate(data)
+        if not overrides:
+            return Scene(table, name, origin)
+    # what an override has made of it is in no line
+    return Scene(apply_overrides(table, overrides), name)
 
 
 def is_path(name_or_path: str | Path) -> bool:
@@ -88,15 +95,34 @@ def is_path(name_or_path: str | Path) -> bool:
 
 def parse(text: str, file: str) -> dict[str, Any]:
     """TOML as plain data; a syntax error names file and line."""
-    try:
+    fault = find_syntax_fault(text)
+    if fault is None:
         return tomllib.loads(text)
+    line, column, _ = fault.place
+    where = "at the end" if fault.at_end else f"column {column}"
+    message = f"{file}, line {line}, {where}: TOML syntax error: {fault.message}."
+    raise InvalidFileError(message, file=file, line=line)
+
+
+class SyntaxFault(NamedTuple):
+    """What is no TOML in a text: what is wrong, where, and whether only the end of the text showed it."""
+
+    message: str
+    place: Place
+    at_end: bool
+
+
+def find_syntax_fault(text: str) -> SyntaxFault | None:
+    """The first thing in a text that is no TOML; None if all of it is."""
+    try:
+        tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         found = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error), re.DOTALL)
-        if found is None:
-            raise InvalidInputError(f"{file}: TOML syntax error: {error}.") from None
-        message, line, column = found.groups()
-        where = f"line {line}, column {column}" if line else f"line {text.count(chr(10)) + 1}, at the end"
-        raise InvalidInputError(f"{file}, {where}: TOML syntax error: {message}.") from None
+        message, line, column = found.groups() if found else (str(error), None, None)
+        if line and column:
+            return SyntaxFault(message, Place(int(line), int(column), 1), False)
+        return SyntaxFault(message, Place(text.count("\n") + 1, len(text) - text.rfind("\n"), 1), True)
+    return None
 
 
 def read_text(path: Path, what: str) -> str:

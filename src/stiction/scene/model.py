@@ -6,7 +6,7 @@ Only what can be said of a key by itself is checked here; what two places of a f
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, model_validator
 
@@ -64,6 +64,11 @@ class WorldTable(Table):
 
 class PairTable(Table):
     """One pair of materials. What is left out keeps the value it has in the base table."""
+
+    OTHER_WORDS: ClassVar[dict[str, str]] = {
+        "friction": "static", "mu": "static", "mu_s": "static", "mu_d": "dynamic", "mu_k": "dynamic",
+        "kinetic": "dynamic", "bounce": "restitution", "material_a": "a", "material_b": "b",
+    }  # fmt: skip
 
     a: Text
     """One material."""
@@ -241,6 +246,10 @@ class BodyTable(_Placed):
     """kg; at most one of mass and density."""
     density: fields.Density | None = None
     """kg/m^3; 1000 if there is no mass either."""
+    center_of_mass: Vector | None = None
+    """In the shape's frame, m, for a body that is loaded on one side; with it goes inertia."""
+    inertia: fields.Inertia | None = None
+    """About the centre of mass in the shape's axes, kg m^2: three principal moments, or a tensor of three rows."""
     frame: Text | None = None
     """The frame in which position, orientation and velocities are given; the world if left out."""
     position: Vector = (0.0, 0.0, 0.0)
@@ -262,6 +271,8 @@ class BodyTable(_Placed):
             raise fault("must not be given together with mass.", key="density")
         if self.static and self.kinematic:
             raise fault("must not be true where static is true.", key="kinematic")
+        if self.center_of_mass is not None and self.inertia is None:
+            raise fault("needs inertia beside it, for that of the shape is of its own centre.", key="center_of_mass")
         return self
 
 

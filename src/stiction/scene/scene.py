@@ -7,6 +7,7 @@ from typing import Any, Self
 
 from stiction.errors import InvalidInputError, NotYetError
 from stiction.scene.model import SceneTable
+from stiction.scene.origin import Origin, naming_lines
 from stiction.scene.placing import place
 from stiction.scene.references import check_references, make_materials
 from stiction.scene.validate import validate
@@ -22,6 +23,7 @@ class Scene:
     Args:
         table: the checked contents of a scene file.
         name: of the built-in scene, or of the file without its ending.
+        origin: the file and the text that it comes from, for sentences that name a line.
 
     Raises:
         InvalidInputError: two places of the table do not agree.
@@ -30,9 +32,10 @@ class Scene:
         MaterialWarning: dynamic friction of a pair is above its static friction.
     """
 
-    def __init__(self, table: SceneTable, name: str = "scene") -> None:
+    def __init__(self, table: SceneTable, name: str = "scene", origin: Origin | None = None) -> None:
         self.table = table
         self.name = name
+        self.origin = origin
         self._materials = make_materials(table)
         check_references(table, self._materials)
 
@@ -84,6 +87,10 @@ class Scene:
             InvalidInputError: a body cannot be added.
             NotYetError: the scene asks for a solver or for the contact of a shape that this version does not have.
         """
+        with naming_lines(self.origin):
+            return self._build()
+
+    def _build(self) -> World:
         settings = self.table.world
         try:
             world = World(**settings.model_dump(), materials=self._materials.copy())
@@ -106,6 +113,8 @@ class Scene:
                     angular_velocity=placed.angular_velocity,
                     mass=body.mass,
                     density=body.density,
+                    inertia=body.inertia,
+                    center_of_mass=body.center_of_mass,
                     material=body.material,
                     name=placed.name,
                     surface_velocity=body.surface_velocity,

@@ -13,6 +13,7 @@ from stiction import checks
 from stiction.body import Body
 from stiction.errors import InvalidInputError
 from stiction.scene.model_vehicle import VehicleTable
+from stiction.scene.origin import naming_lines
 from stiction.scene.placing import frame_of, turned
 from stiction.scene.scene import Scene
 from stiction.vehicle import Vehicle
@@ -166,10 +167,11 @@ class Simulation:
         self.world = scene.build()
         dt = self.world.dt
         self.total_steps = max(1, round(scene.duration / dt))
-        self._drivers = self._make_drivers()
+        with naming_lines(scene.origin):
+            self._drivers = self._make_drivers()
+            self._springs = self._make_springs(dt)
         self.vehicles = {name: driver.vehicle for name, driver in self._drivers.items()}
         self._pushes = self._make_pushes(dt)
-        self._springs = self._make_springs(dt)
         self._changes = self._make_changes(dt)
         # Steps before which something outside the world must be done; compiled stepping never runs across one of them.
         stops = {math.floor(push.begin) for push in self._pushes} | {change.step for change in self._changes}
@@ -243,9 +245,9 @@ class Simulation:
                     f"springs[{number}].stiffness: must be below 4 m / dt^2 = {most:g} N/m, or its body swings faster "
                     f"than steps can follow, got {spring.stiffness:g}."
                 )
-            # where the centre of mass is the frame's origin the spring cannot turn the body, and needs no arm
+            # at the centre of mass the spring cannot turn the body, and needs no arm
             at = np.array(spring.at)
-            centred = np.array_equal(at, body.shape.mass_properties.center_of_mass)
+            centred = np.array_equal(at, self.world._store.column(self.world._state.CENTER, 3)[body.index])
             anchor = frame.position + frame.turn(spring.anchor)
             velocity = frame.turn(spring.velocity)
             springs.append(_Spring(body, spring.stiffness, anchor, velocity, None if centred else at))

@@ -50,6 +50,15 @@ def validate_as(model: type[Model], data: Mapping[str, Any], whole: str) -> Mode
     raise InvalidInputError(_sentence(first, whole)) from None
 
 
+def sentences_of(model: type[BaseModel], data: Mapping[str, Any], whole: str) -> list[str]:
+    """All that is wrong with ``data`` by this model, as far as one reading shows it: see :func:`validate_as`."""
+    try:
+        model.model_validate(data)
+    except ValidationError as error:
+        return [_sentence(one, whole) for one in error.errors(include_url=False)]
+    return []
+
+
 def _sentence(error: Mapping[str, Any], whole: str) -> str:
     context = error.get("ctx", {})
     location = list(error["loc"])

@@ -13,6 +13,7 @@ from stiction.scene import Scene
 from stiction.scene import load as load_scene
 from stiction.scene.load import SUFFIX, is_path, names_in, parse, read_text, text_in
 from stiction.scene.model import SceneTable
+from stiction.scene.origin import Origin, naming_lines
 from stiction.scene.overrides import apply_overrides, apply_values
 from stiction.scene.placing import place
 from stiction.scene.validate import validate_as
@@ -96,9 +97,10 @@ def load(name_or_path: str | Path, overrides: Sequence[str] = ()) -> Sweep:
     """
     text = str(name_or_path)
     if is_path(name_or_path):
-        return from_dict(
-            parse(read_text(Path(text), "sweep file"), text), Path(text).stem, Path(text).parent, overrides
-        )
+        origin = Origin(text, read_text(Path(text), "sweep file"))
+        data = parse(origin.text, text)
+        with naming_lines(None if overrides else origin):
+            return from_dict(data, Path(text).stem, Path(text).parent, overrides)
     return from_dict(parse(builtin_text(text), text + SUFFIX), text, Path(), overrides)
 
 
