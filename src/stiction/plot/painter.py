@@ -10,6 +10,7 @@ import functools
 import heapq
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from stiction.errors import InvalidInputError
 from stiction.scene.placing import turned
 from stiction.shapes import Cylinder, Shape, Sphere
 from stiction.view import style
-from stiction.view.meshes import CREASE, ROUND, Mesh, solid
+from stiction.view.meshes import CREASE, ROUND, solid
 
 Array = NDArray[np.float64]
 
@@ -68,12 +69,14 @@ class Outline:
     """A surface with what is drawn on it as lines.
 
     Attributes:
-        mesh: triangles.
-        normals: (t, 3) of the triangles.
-        edges: (e, 2) vertices. sides: (e, 2) the two triangles at each. creases: (e,) whether they meet at an angle.
+        vertices: (v, 3) m.
+        faces: its flat faces, each by its vertices in order round it.
+        normals: (f, 3) of the faces, outward.
+        edges: (e, 2) vertices. sides: (e, 2) the two faces at each. creases: (e,) whether they meet at an angle.
     """
 
-    mesh: Mesh
+    vertices: Array
+    faces: list[NDArray[np.int64]]
     normals: Array
     edges: NDArray[np.int64]
     sides: NDArray[np.int64]
@@ -91,18 +94,30 @@ def outline(shape: Shape) -> Outline:
     sizes = np.linalg.norm(normals, axis=1)
     flat = sizes > 1e-12 * sizes.max()
     faces, normals = faces[flat], normals[flat] / sizes[flat, None]
+    normals, number = np.unique(np.round(normals, 6), axis=0, return_inverse=True)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    polygons = [_round(np.unique(faces[number.ravel() == k]), vertices, normal) for k, normal in enumerate(normals)]
     seen: dict[tuple[int, int], int] = {}
     edges, sides = [], []
-    for k, face in enumerate(faces.tolist()):
-        for i, j in ((0, 1), (1, 2), (2, 0)):
-            edge = (min(face[i], face[j]), max(face[i], face[j]))
+    for k, polygon in enumerate(polygons):
+        for i, j in pairwise([*polygon.tolist(), int(polygon[0])]):
+            edge = (min(i, j), max(i, j))
             if edge in seen:
                 edges.append(edge)
                 sides.append((seen[edge], k))
             seen[edge] = k
     pairs = np.array(sides)
     creases = np.sum(normals[pairs[:, 0]] * normals[pairs[:, 1]], axis=1) < CREASE
-    return Outline(Mesh(vertices, faces), normals, np.array(edges), pairs, creases)
+    return Outline(vertices, polygons, normals, np.array(edges), pairs, creases)
+
+
+def _round(corners: NDArray[np.int64], vertices: Array, normal: Array) -> NDArray[np.int64]:
+    """The corners of a convex face in order, counter-clockwise seen from outside."""
+    from scipy.spatial import ConvexHull
+
+    across = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
+    flat = vertices[corners] @ np.column_stack([across, np.cross(normal, across)])
+    return np.asarray(corners[ConvexHull(flat).vertices])
 
 
 @dataclass(frozen=True)
@@ -132,9 +147,9 @@ def place(shape: Shape, position: Array, orientation: Array, color: str) -> Soli
         none = np.zeros((0, 3))
         return Solid(shape, color, position, orientation, position[None], shape.radius, none, none[:, 0])
     form = outline(shape)
-    vertices = turned(orientation, form.mesh.vertices) + position
+    vertices = turned(orientation, form.vertices) + position
     normals = turned(orientation, form.normals)
-    offsets = np.sum(normals * vertices[form.mesh.faces[:, 0]], axis=1)
+    offsets = np.sum(normals * vertices[[face[0] for face in form.faces]], axis=1)
     return Solid(shape, color, position, orientation, vertices, 0.0, normals, offsets)
 
 
@@ -232,7 +247,7 @@ def paint(one: Solid, view: Array, strokes: Strokes, width: float) -> None:
     flat = one.vertices @ view[:2].T
     light = one.normals @ (LIGHT @ view / np.linalg.norm(LIGHT))
     for k in np.flatnonzero(seen).tolist():
-        strokes.fill(flat[form.mesh.faces[k]], shaded(one.color, float(light[k])))
+        strokes.fill(flat[form.faces[k]], shaded(one.color, float(light[k])))
     sides = seen[form.sides]
     drawn = np.where(form.creases, sides.any(axis=1), sides[:, 0] != sides[:, 1])
     for edge in form.edges[drawn].tolist():
