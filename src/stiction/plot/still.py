@@ -132,9 +132,11 @@ def picture(world: World, view: View = "side", *, title: str = "", **options: An
 
 
 def _known(world: World, one: Body | str) -> Body:
-    if isinstance(one, Body) and any(one is body for body in world):
-        return one
-    return world[one.name if isinstance(one, Body) else one]
+    if not isinstance(one, Body):
+        return world[one]
+    if not any(one is body for body in world):
+        raise InvalidInputError(f"only must hold bodies of this world, got {one.name!r} of another.")
+    return one
 
 
 def _colors(world: World, colors: Mapping[str, str] | str | None) -> dict[str, str]:
