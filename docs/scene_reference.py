@@ -49,7 +49,9 @@ def page(schema: dict[str, Any]) -> str:
     """
     tables = {"SceneTable": schema, **schema["$defs"]}
     if set(tables) != set(TABLES):
-        raise SystemExit(f"docs/scene_reference.py must name the tables of a scene; differs in {set(tables) ^ set(TABLES)}.")
+        raise SystemExit(
+            f"docs/scene_reference.py must name the tables of a scene; differs in {set(tables) ^ set(TABLES)}."
+        )
     return "\n".join(line for name in TABLES for line in _table(name, tables))
 
 
@@ -105,7 +107,11 @@ def _kind(entry: dict[str, Any]) -> str:
         if "prefixItems" in entry:
             return f"{len(entry['prefixItems'])} {PLAIN[entry['prefixItems'][0]['type']]}s"
         items = entry.get("items", {})
-        return "list of tables" if "$ref" not in items else f"list of [tables](#{_anchor(items['$ref'].rsplit('/', 1)[1])})"
+        return (
+            "list of tables"
+            if "$ref" not in items
+            else f"list of [tables](#{_anchor(items['$ref'].rsplit('/', 1)[1])})"
+        )
     if entry.get("type") == "object":
         inside = entry.get("additionalProperties")
         if isinstance(inside, dict) and "$ref" in inside:

@@ -52,7 +52,12 @@ def contact() -> None:
     cone.fill([-0.6 * reach, 0, 0.6 * reach], [reach, 0, reach], color="#e9f3f9", zorder=0)
     load = rows["normal_impulse"].sum()
     tip = rows["friction_impulse"].sum(axis=0)[0] / load
-    cone.annotate("", (tip, 1), (0, 0), arrowprops={"arrowstyle": "-|>", "color": look.RIGHT, "lw": 2.4, "shrinkA": 0, "shrinkB": 0})
+    cone.annotate(
+        "",
+        (tip, 1),
+        (0, 0),
+        arrowprops={"arrowstyle": "-|>", "color": look.RIGHT, "lw": 2.4, "shrinkA": 0, "shrinkB": 0},
+    )
     look.note(cone, "this crate\nsticks", (0.02, 0.85), look.RIGHT, ha="center")
     cone.set(xlim=(-0.95, 1.05), ylim=(-0.05, 1.35), xlabel="friction", ylabel="normal impulse", xticks=[], yticks=[])
     look.title(cone, "The cone, from the side")
@@ -151,7 +156,11 @@ def islands() -> None:
         world.add(st.Box((0.5, 0.5, 0.5)), position=(0, 0, 0.25 + 0.5 * k), name=f"tower {k}")
     for row in range(3):
         for k in range(3 - row):
-            world.add(st.Box((0.6, 0.5, 0.4)), position=(1.6 + 0.65 * (k + row / 2), 0, 0.2 + 0.4 * row), name=f"wall {row}{k}")
+            world.add(
+                st.Box((0.6, 0.5, 0.4)),
+                position=(1.6 + 0.65 * (k + row / 2), 0, 0.2 + 0.4 * row),
+                name=f"wall {row}{k}",
+            )
     world.add(st.Box((0.2, 0.5, 1.2)), position=(4.0, 0, 0.6), name="post")
     world.add(st.Box((0.2, 0.5, 1.2)), position=(4.9, 0, 0.6), name="post 2")
     world.add(st.Box((1.4, 0.5, 0.15)), position=(4.45, 0, 1.275), name="lintel")
@@ -182,7 +191,10 @@ def solvers() -> list[str]:
         "soft": "8 substeps, a visit of each manifold in each",
         "exact": "passes over all contacts until the laws are met to 1e-8 m/s",
     }
-    lines = ["| solver | work of a step | crate, µs a step | ten boxes, µs a step | crate stops after | tower sinks |", "| --- | --- | ---: | ---: | ---: | ---: |"]
+    lines = [
+        "| solver | work of a step | crate, µs a step | ten boxes, µs a step | crate stops after | tower sinks |",
+        "| --- | --- | ---: | ---: | ---: | ---: |",
+    ]
     for solver, text in work.items():
         world, crate = look.crate_on_floor((1, 1, 1), 0.5, 0.4, dt=1 / 60, solver=solver)
         crate.velocity = (5, 0, 0)
@@ -197,7 +209,11 @@ def solvers() -> list[str]:
         sink = 9.5 - float(tower[-1].position[2])
         times.append(_time(world, perf_counter))
         lines.append(f"| `{solver}` | {text} | {times[0]:.0f} | {times[1]:.0f} | {stop:.4f} m | {1000 * sink:.2f} mm |")
-    return [*lines, "", f"The closed form for the crate is {25 / (2 * 0.4 * G):.4f} m. Times are those of one machine; read their ratios."]
+    return [
+        *lines,
+        "",
+        f"The closed form for the crate is {25 / (2 * 0.4 * G):.4f} m. Times are those of one machine; read their ratios.",
+    ]
 
 
 def _time(world: st.World, clock: object) -> float:

@@ -84,7 +84,9 @@ for mu in (0.1, 0.6):
     slopes[mu] = float(np.mean(angles))
     work, heat = after.work - before.work, after.dissipated - before.dissipated
     stored = after.kinetic + after.potential - before.kinetic - before.potential
-    print(f"mu = {mu}: slope {abs(slopes[mu]):.1f}°, motor {work:.2f} J in 2 s, heat {heat:.2f} J, stored {stored:+.2f} J")
+    print(
+        f"mu = {mu}: slope {abs(slopes[mu]):.1f}°, motor {work:.2f} J in 2 s, heat {heat:.2f} J, stored {stored:+.2f} J"
+    )
 assert abs(slopes[0.6]) > abs(slopes[0.1]) + 5
 
 # %%

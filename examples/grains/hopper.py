@@ -31,7 +31,9 @@ def silo(slot: float) -> tuple[st.World, np.ndarray, np.ndarray]:
     for side in (-1, 1):
         world.add(st.Box((0.04, 0.06, 1.0)), position=(side * (HALF + 0.02), 0, 0.5), name=f"wall {side}", **wall)
         half = (HALF - slot / 2) / 2
-        world.add(st.Box((2 * half, 0.06, 0.04)), position=(side * (slot / 2 + half), 0, -0.02), name=f"floor {side}", **wall)
+        world.add(
+            st.Box((2 * half, 0.06, 0.04)), position=(side * (slot / 2 + half), 0, -0.02), name=f"floor {side}", **wall
+        )
         world.add(st.Box((0.5, 0.02, 1.4)), position=(0, side * (0.75 * D + 0.01), 0.3), name=f"pane {side}",
                   static=True, material="glass")  # fmt: skip
     rng = np.random.default_rng(1)

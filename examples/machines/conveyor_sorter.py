@@ -65,7 +65,9 @@ for parcel, a, b, at_last in zip(parcels, early, late, last, strict=True):
 
 # %%
 
-for axes, text in zip(panels, ("Just before they land", "2.25 s later: film slides down, the rest goes up"), strict=True):
+for axes, text in zip(
+    panels, ("Just before they land", "2.25 s later: film slides down, the rest goes up"), strict=True
+):
     axes.set_title(text)
     axes.set_axis_off()
 plt.show()

@@ -37,7 +37,9 @@ colors = {name: "#d9a400" if "hit" in name else "#c9d1d8" for shot in SHOTS for 
 
 figure, (above, rack) = plt.subplots(1, 2, figsize=(9.6, 4.2), width_ratios=(1, 1.1))
 for moment in range(4):
-    plot.bodies(above, world, "top", only=None if moment == 0 else colors, colors=colors, alpha=(0.45, 0.5, 0.6, 1)[moment])
+    plot.bodies(
+        above, world, "top", only=None if moment == 0 else colors, colors=colors, alpha=(0.45, 0.5, 0.6, 1)[moment]
+    )
     world.run(0.25)
 
 print("shot      expected   measured (m/s)")

@@ -86,6 +86,10 @@ lane.annotate("oil", (0.5, 0.02), fontsize=11)
 lane.set(xlabel="along the lane (m)", ylabel="across (m)", xlim=(0, 19), title="Late hook")
 lane.legend(loc="upper left", bbox_to_anchor=(0.08, 1))
 corners = plot.project([(x, y, z) for x in (17.4, 20) for y in (-0.53, 0.53) for z in (0, 0.4)], (-65, 30))
-pins.set(xlim=(corners[:, 0].min(), corners[:, 0].max()), ylim=(corners[:, 1].min() - 0.05, corners[:, 1].max()), title=f"The strike: {down} of ten pins will be down")
+pins.set(
+    xlim=(corners[:, 0].min(), corners[:, 0].max()),
+    ylim=(corners[:, 1].min() - 0.05, corners[:, 1].max()),
+    title=f"The strike: {down} of ten pins will be down",
+)
 pins.set_axis_off()
 plt.show()

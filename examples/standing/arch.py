@@ -51,7 +51,9 @@ for share in (0.16, 0.08):
     crown = world[f"stone {STONES // 2}"].position[2]
     world.run(3.0 if share > 0.1075 else 0.6)
     sunk = crown - world[f"stone {STONES // 2}"].position[2]
-    print(f"thickness {share:.2f} of the radius: crown {1000 * sunk:.1f} mm lower, {'stands' if sunk < 0.05 else 'falls'}")
+    print(
+        f"thickness {share:.2f} of the radius: crown {1000 * sunk:.1f} mm lower, {'stands' if sunk < 0.05 else 'falls'}"
+    )
     assert (sunk < 0.05) == (share > 0.1075)
 
 world = worlds[0.16]
@@ -64,7 +66,9 @@ for side, name in ((-1, "left"), (1, "right")):
         if index in (row["body_a"], row["body_b"]):
             sign = 1 if row["body_a"] == index else -1
             force -= sign * (row["normal_impulse"] * row["normal"] + row["friction_impulse"]) / world.dt
-    print(f"{name}: carries {abs(force[2]) / weight:.4f} of the weight, pushed outwards with {abs(force[0]) / weight:.3f} of it")
+    print(
+        f"{name}: carries {abs(force[2]) / weight:.4f} of the weight, pushed outwards with {abs(force[0]) / weight:.3f} of it"
+    )
     assert abs(abs(force[2]) / weight - 0.5) < 0.01
 
 # %%

@@ -72,5 +72,9 @@ plot.bodies(above, shown, (-80, 12))
 above.set_title("Spacing 0.5 h")
 above.set_axis_off()
 below.plot(spacings, speeds, "o-", ms=7)
-below.set(xlabel="spacing, in heights of a domino", ylabel=r"speed of the wave in $\sqrt{g h}$", ylim=(0, 1.1 * np.max(speeds)))
+below.set(
+    xlabel="spacing, in heights of a domino",
+    ylabel=r"speed of the wave in $\sqrt{g h}$",
+    ylim=(0, 1.1 * np.max(speeds)),
+)
 plt.show()

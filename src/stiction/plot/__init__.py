@@ -16,4 +16,16 @@ from stiction.plot.kinds import KINDS, Kind, draw
 from stiction.plot.still import bodies, picture, project
 from stiction.plot.track import Observer, Track, from_recording, observe
 
-__all__ = ["KINDS", "Kind", "Observer", "Track", "bodies", "draw", "from_recording", "observe", "picture", "project", "save"]
+__all__ = [
+    "KINDS",
+    "Kind",
+    "Observer",
+    "Track",
+    "bodies",
+    "draw",
+    "from_recording",
+    "observe",
+    "picture",
+    "project",
+    "save",
+]
