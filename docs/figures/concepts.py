@@ -65,7 +65,7 @@ def contact() -> None:
 
 
 def exact(corners: bool, ratios: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Force over mu N and torque over mu N times half a side, of a square face that slides with 1 and turns with a ratio.
+    """Force over mu N, and torque over mu N times half a side, of a square face that slides with 1 and turns.
 
     Args:
         corners: only these carry the load. ratios: turning over sliding, times half a side.
@@ -212,7 +212,7 @@ def solvers() -> list[str]:
     return [
         *lines,
         "",
-        f"The closed form for the crate is {25 / (2 * 0.4 * G):.4f} m. Times are those of one machine; read their ratios.",
+        f"The closed form for the crate is {25 / (2 * 0.4 * G):.4f} m. Times are those of one machine: read ratios.",
     ]
 
 

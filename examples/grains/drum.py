@@ -2,8 +2,8 @@ r"""
 A rotating drum
 ===============
 
-Grains in a drum that turns slowly form a slope, and avalanches run down it. Their friction decides how steep it is. And what the drum's
-motor spends must all end up in heat, once the flow is steady: the ledger of energy says where.
+Grains in a drum that turns slowly form a slope, and avalanches run down it. Their friction decides how steep it is.
+And what the drum's motor spends must all end up in heat, once the flow is steady: the ledger of energy says where.
 """
 
 import math
@@ -33,7 +33,8 @@ class Drum:
         spread = math.pi / STAVES
         stave = st.Box((2 * (INNER + 0.04) * math.tan(spread), WIDTH, 0.04))
         for side in (-1, 1):
-            world.add(st.Box((1.4, 0.05, 1.4)), static=True, position=(0, side * (WIDTH / 2 + 0.026), 0), material="glass",
+            pane = (0, side * (WIDTH / 2 + 0.026), 0)
+            world.add(st.Box((1.4, 0.05, 1.4)), static=True, position=pane, material="glass",
                       name=f"pane {side}")  # fmt: skip
         self.staves = []
         for k in range(STAVES):

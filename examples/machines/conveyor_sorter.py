@@ -4,9 +4,10 @@ A conveyor that sorts by friction
 
 Parcels of three materials fall onto a belt that runs up a slope. What does the belt take along?
 
-Static friction holds a parcel on the belt if :math:`\mu_s \ge \tan\theta`; then it goes up with it. If dynamic friction is also below
-:math:`\tan\theta`, a parcel that slips is never caught: it slides down with :math:`a = g(\sin\theta - \mu_d\cos\theta)`, however fast the
-belt runs up below it, for friction does not ask how fast. So one slope between two coefficients tells materials apart.
+Static friction holds a parcel on the belt if :math:`\mu_s \ge \tan\theta`; then it goes up with it. If dynamic
+friction is also below :math:`\tan\theta`, a parcel that slips is never caught: it slides down with :math:`a =
+g(\sin\theta - \mu_d\cos\theta)`, however fast the belt runs up below it, for friction does not ask how fast. So one
+slope between two coefficients tells materials apart.
 """
 
 import math

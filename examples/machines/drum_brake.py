@@ -2,13 +2,13 @@ r"""
 A drum brake
 ============
 
-Two shoes press on a drum from outside, each with the force :math:`F`, and brake it with the torque :math:`2\mu_d F R`. A drum of inertia
-:math:`I` that turns with :math:`\omega_0` stops after
+Two shoes press on a drum from outside, each with the force :math:`F`, and brake it with the torque :math:`2\mu_d F
+R`. A drum of inertia :math:`I` that turns with :math:`\omega_0` stops after
 
 .. math:: t = \frac{I\,\omega_0}{2\,\mu_d F R},\qquad \text{and the heat is } \tfrac12 I\omega_0^2 .
 
-Shoes are bodies between smooth guides, pushed by forces. No joint is needed: the drum lies on a smooth table, and shoes that press alike keep
-it in the middle.
+Shoes are bodies between smooth guides, pushed by forces. No joint is needed: the drum lies on a smooth table, and
+shoes that press alike keep it in the middle.
 """
 
 import matplotlib.pyplot as plt

@@ -4,11 +4,13 @@ A gripper lifts an egg
 
 Two fingers hold an egg of 60 g between flat pads and lift it. How hard must they press?
 
-Each pad gives friction of at most :math:`\mu_s N`. To lift with the acceleration :math:`a` it takes :math:`2\mu_s N \ge m(g + a)`, so
+Each pad gives friction of at most :math:`\mu_s N`. To lift with the acceleration :math:`a` it takes :math:`2\mu_s N
+\ge m(g + a)`, so
 
 .. math:: N \ge \frac{m\,(g + a)}{2\mu_s}.
 
-Once it slips, it is lost: dynamic friction is weaker. The right grip is a little above the threshold for the *fastest* part of the lift.
+Once it slips, it is lost: dynamic friction is weaker. The right grip is a little above the threshold for the
+*fastest* part of the lift.
 """
 
 import math
@@ -63,9 +65,10 @@ def lift(grip: float, seconds: float = 0.8) -> tuple[st.World, list[tuple[float,
 
 runs = {share: lift(share * NEED) for share in (0.8, 0.95, 1.1, 1.5)}
 print(f"needed: {NEED:.3f} N a side")
-for share, (world, rows) in runs.items():
+for share, (_, rows) in runs.items():
     slipped = (rows[-1][2] - 0.03) - (rows[-1][1] - 0.025)
     print(f"grip {share * NEED:.3f} N ({share:g} of it): egg slipped by {1000 * slipped:6.1f} mm")
+    assert (slipped < 0.002) == (share > 1)
 
 # %%
 

@@ -2,8 +2,9 @@ r"""
 Stick-slip
 ==========
 
-Why does a door creak? A block is held by a spring on a belt that moves slowly. The belt carries it along until the spring pulls
-with :math:`\mu_s m g`; then it lets go, and since dynamic friction is weaker, it leaps back until the belt catches it again.
+Why does a door creak? A block is held by a spring on a belt that moves slowly. The belt carries it along until the
+spring pulls with :math:`\mu_s m g`; then it lets go, and since dynamic friction is weaker, it leaps back until the
+belt catches it again.
 
 With :math:`D = (\mu_s - \mu_d) m g / k` and :math:`\omega = \sqrt{k/m}`, a round on a belt of speed :math:`V` takes
 
@@ -17,7 +18,6 @@ import math
 import matplotlib.pyplot as plt
 import numpy as np
 
-from stiction import plot
 from stiction.scene import Simulation, load
 
 plt.style.use("stiction.plot.lecture")

@@ -2,11 +2,12 @@ r"""
 Air hockey
 ==========
 
-A puck floats on air between four cushions: no friction below it, and cushions that give back a part :math:`e` of the speed with
-which they are met.
+A puck floats on air between four cushions: no friction below it, and cushions that give back a part :math:`e` of the
+speed with which they are met.
 
-Unfold the table, that is, mirror it at each cushion, and the path is a straight line. Each cushion takes
-:math:`1 - e^2` of the energy in the direction across it and nothing along it. After :math:`n_x` and :math:`n_y` bounces the kinetic energy is
+Unfold the table, that is, mirror it at each cushion, and the path is a straight line. Each cushion takes :math:`1 -
+e^2` of the energy in the direction across it and nothing along it. After :math:`n_x` and :math:`n_y` bounces the
+kinetic energy is
 
 .. math:: E = \tfrac12 m\,(v_x^2 e^{2 n_x} + v_y^2 e^{2 n_y}).
 """

@@ -4,9 +4,10 @@ Billiards: follow, stun and draw
 
 A cue ball meets another one head-on. What it does next depends on its spin, and the cloth does the rest.
 
-The impact with restitution :math:`e` leaves the cue ball the speed :math:`v' = v(1 - e)/2`, but its spin :math:`\omega` stays.
-Friction with the cloth then makes it roll, with :math:`v'' = (5 v' + 2 r\omega)/7`: with topspin it *follows*, without spin it nearly
-*stops*, with backspin it is *drawn* back. The coefficient of the cloth is not in it; it only says how long that takes.
+The impact with restitution :math:`e` leaves the cue ball the speed :math:`v' = v(1 - e)/2`, but its spin
+:math:`\omega` stays. Friction with the cloth then makes it roll, with :math:`v'' = (5 v' + 2 r\omega)/7`: with
+topspin it *follows*, without spin it nearly *stops*, with backspin it is *drawn* back. The coefficient of the cloth
+is not in it; it only says how long that takes.
 """
 
 import matplotlib.pyplot as plt

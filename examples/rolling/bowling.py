@@ -2,11 +2,13 @@ r"""
 Bowling: the hook
 =================
 
-A bowling ball is thrown with a spin to the side onto a lane that is oiled for its first two thirds. Why does it curve late?
+A bowling ball is thrown with a spin to the side onto a lane that is oiled for its first two thirds. Why does it curve
+late?
 
-While it slides, friction points against the slip :math:`\vec u` of its lowest point, whose direction does not change. So the ball is
-pushed sideways all the time, with :math:`\mu g`: hardly on the oil, strongly on the dry wood. Its path is a parabola with a kink in
-its curvature where the oil ends. Slip dies away with :math:`\tfrac72\mu g`; then the ball rolls straight on.
+While it slides, friction points against the slip :math:`\vec u` of its lowest point, whose direction does not change.
+So the ball is pushed sideways all the time, with :math:`\mu g`: hardly on the oil, strongly on the dry wood. Its path
+is a parabola with a kink in its curvature where the oil ends. Slip dies away with :math:`\tfrac72\mu g`; then the
+ball rolls straight on.
 """
 
 import math

@@ -2,12 +2,13 @@ r"""
 The tippe top
 =============
 
-A ball that is heavier below is spun on the table, and turns upside down: its heavy side rises. Where does the energy come from?
+A ball that is heavier below is spun on the table, and turns upside down: its heavy side rises. Where does the energy
+come from?
 
-From its spin, and friction is what transfers it; on ice the top would only wobble. Through all of it, one number stays as it
-is, whatever the coefficient: Jellett's :math:`J = -\vec L\cdot\vec a`, the angular momentum along the arm
-:math:`\vec a` from the centre of mass to the contact, for friction and load act *at* the contact. At last the top spins on its
-head with :math:`\omega = J / (I\,(r + e))`.
+From its spin, and friction is what transfers it; on ice the top would only wobble. Through all of it, one number
+stays as it is, whatever the coefficient: Jellett's :math:`J = -\vec L\cdot\vec a`, the angular momentum along the arm
+:math:`\vec a` from the centre of mass to the contact, for friction and load act *at* the contact. At last the top
+spins on its head with :math:`\omega = J / (I\,(r + e))`.
 
 (Jellett, *A treatise on the theory of friction*, 1872, ch. 8.)
 """
@@ -51,7 +52,7 @@ figure = plt.figure(figsize=(9.6, 5.4))
 grid = figure.add_gridspec(2, 4, height_ratios=(1, 1.1))
 first, rows = jellett(), []
 stills = [0.0, 1.8, 2.4, 2.9]
-for k in range(1500):
+for _ in range(1500):
     if stills and world.time >= stills[0] - 1e-9:
         axes = figure.add_subplot(grid[0, 4 - len(stills)])
         plot.bodies(axes, world, "side", colors={"top": "#e0a030"})

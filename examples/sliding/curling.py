@@ -7,17 +7,16 @@ A curling stone of 20 kg is let go at 2 m/s with a slow turn. Two questions:
 *How far does it go?* Without spin it goes :math:`v^2 / (2\mu g)`. Spin protects it: each point of its sole is braked
 against its *own* velocity, so a stone that turns has less friction against its motion, and goes farther.
 
-*Does it curl?* In this model it should do so a little, to the wrong side. Friction acts at the ice and inertia above it, so the
-front of the sole carries more load. A front that turns to the left is braked to the right. A cup on a table does
-just that; a real stone on pebbled ice curls to the other side, because it changes the ice below it. A rigid sole with one
-coefficient cannot.
+*Does it curl?* In this model it should do so a little, to the wrong side. Friction acts at the ice and inertia above
+it, so the front of the sole carries more load. A front that turns to the left is braked to the right. A cup on a
+table does just that; a real stone on pebbled ice curls to the other side, because it changes the ice below it. A
+rigid sole with one coefficient cannot.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 
 import stiction as st
-from stiction import plot
 
 plt.style.use("stiction.plot.lecture")
 MU, SPEED, RADIUS, HEIGHT, G = 0.0115, 2.0, 0.14, 0.11, 9.81

@@ -2,12 +2,12 @@ r"""
 The lecture's table on a ramp
 =============================
 
-Nine crates lie on nine lanes of a ramp of 30 degrees, one for each row of the lecture's table of coefficients.
-Which of them stay?
+Nine crates lie on nine lanes of a ramp of 30 degrees, one for each row of the lecture's table of coefficients. Which
+of them stay?
 
 A crate stays as long as the component of its weight along the slope is no more than static friction can take:
-:math:`\tan\theta \le \mu_s`. If it slides, dynamic friction brakes it, and its acceleration is
-:math:`a = g(\sin\theta - \mu_d\cos\theta)`.
+:math:`\tan\theta \le \mu_s`. If it slides, dynamic friction brakes it, and its acceleration is :math:`a =
+g(\sin\theta - \mu_d\cos\theta)`.
 """
 
 import math

@@ -2,9 +2,9 @@ r"""
 The cone is round
 =================
 
-Push a brick over the floor in any direction: it must go straight, and equally far. Friction of engines that take two coefficients
-for two axes (a *pyramid* or a *box*) makes it stop at a square, and swerve. Here 16 bricks, each turned askew, are sent off in 16
-directions. All must stop on the circle of :math:`v^2/(2\mu g)`.
+Push a brick over the floor in any direction: it must go straight, and equally far. Friction of engines that take two
+coefficients for two axes (a *pyramid* or a *box*) makes it stop at a square, and swerve. Here 16 bricks, each turned
+askew, are sent off in 16 directions. All must stop on the circle of :math:`v^2/(2\mu g)`.
 """
 
 import math
@@ -26,7 +26,7 @@ for heading in np.arange(16) * 2 * math.pi / 16:
     start = 0.9 * np.array([math.cos(heading), math.sin(heading), 0])
     yaw = heading + 0.6
     bricks.append(
-        world.add(st.Box((0.24, 0.12, 0.06)), mass=3, material="brick", position=start + (0, 0, 0.03),
+        world.add(st.Box((0.24, 0.12, 0.06)), mass=3, material="brick", position=start + np.array([0, 0, 0.03]),
                   orientation=(math.cos(yaw / 2), 0, 0, math.sin(yaw / 2)), velocity=SPEED * start / 0.9)
     )  # fmt: skip
 figure, axes = plt.subplots(figsize=(7, 6.4))

@@ -4,8 +4,9 @@ Measuring friction at home
 
 A board, a protractor and a telephone's camera are enough for both coefficients.
 
-*Static:* tilt the board slowly until the block lets go; :math:`\mu_s = \tan\theta`. *Dynamic:* keep the board there and film the block;
-from the way :math:`d` in the time :math:`t` follows :math:`\mu_d = \tan\theta - 2 d / (g t^2 \cos\theta)`.
+*Static:* tilt the board slowly until the block lets go; :math:`\mu_s = \tan\theta`. *Dynamic:* keep the board there
+and film the block; from the way :math:`d` in the time :math:`t` follows :math:`\mu_d = \tan\theta - 2 d / (g t^2
+\cos\theta)`.
 
 Here the experiment is done in the engine, by tilting gravity. It finds what was put in, and shows how a board that is
 tilted too fast would mislead: the block lets go in time, but one reads the protractor late.

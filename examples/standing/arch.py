@@ -4,9 +4,9 @@ An arch without mortar
 
 Wedge stones in a half circle carry themselves, if the arch is thick enough and its stones do not slip.
 
-Each springing carries half of the weight. How hard the arch pushes outwards is not a matter of statics alone: any thrust will do
-whose line stays within the stones. Milankovitch found in 1907 that such a line exists if the arch is thicker than
-0.1075 of its mean radius. Below that it must fall, whatever the friction.
+Each springing carries half of the weight. How hard the arch pushes outwards is not a matter of statics alone: any
+thrust will do whose line stays within the stones. Milankovitch found in 1907 that such a line exists if the arch is
+thicker than 0.1075 of its mean radius. Below that it must fall, whatever the friction.
 """
 
 import math
@@ -66,10 +66,9 @@ for side, name in ((-1, "left"), (1, "right")):
         if index in (row["body_a"], row["body_b"]):
             sign = 1 if row["body_a"] == index else -1
             force -= sign * (row["normal_impulse"] * row["normal"] + row["friction_impulse"]) / world.dt
-    print(
-        f"{name}: carries {abs(force[2]) / weight:.4f} of the weight, pushed outwards with {abs(force[0]) / weight:.3f} of it"
-    )
-    assert abs(abs(force[2]) / weight - 0.5) < 0.01
+    down, outward = abs(force[2]) / weight, abs(force[0]) / weight
+    print(f"{name}: carries {down:.4f} of the weight, pushed outwards with {outward:.3f} of it")
+    assert abs(down - 0.5) < 0.01
 
 # %%
 

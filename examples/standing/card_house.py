@@ -4,10 +4,10 @@ A house of cards
 
 Two cards that lean on each other push their feet apart. What friction do they need, and what do three storeys need?
 
-A card of weight :math:`W` at the angle :math:`a` from upright carries nothing but itself in a single tent. Torques about its tip give
-the thrust at its foot, :math:`H = \tfrac12 W \tan a`; the foot carries :math:`W`. So the tent stands as long as
-:math:`\mu_s \ge \tfrac12\tan a`. With storeys on top a card is a strut that is pressed along its own length, and the need tends to
-:math:`\tan a`.
+A card of weight :math:`W` at the angle :math:`a` from upright carries nothing but itself in a single tent. Torques
+about its tip give the thrust at its foot, :math:`H = \tfrac12 W \tan a`; the foot carries :math:`W`. So the tent
+stands as long as :math:`\mu_s \ge \tfrac12\tan a`. With storeys on top a card is a strut that is pressed along its
+own length, and the need tends to :math:`\tan a`.
 """
 
 import math
@@ -45,9 +45,9 @@ def house(storeys: int, mu: float, tips: float | None = None) -> st.World:
 
 
 # %%
-# A single tent, with friction at its feet 10 % above and 10 % below the formula, and a house of three storeys. (Where two edges
-# meet, any direction between their faces may be the normal. The engine takes that of a face, so the tips of the tent need
-# a coefficient above :math:`\tan a`; they get 0.6.)
+# A single tent, with friction at its feet 10 % above and 10 % below the formula, and a house of three storeys. (Where
+# two edges meet, any direction between their faces may be the normal. The engine takes that of a face, so the tips of
+# the tent need a coefficient above :math:`\tan a`; they get 0.6.)
 
 need = math.tan(LEAN) / 2
 worlds = {}

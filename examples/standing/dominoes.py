@@ -2,9 +2,10 @@ r"""
 Dominoes
 ========
 
-How fast does the wave run? There is no simple closed form, but there is a scale: lengths are measured in the height :math:`h` of a
-domino, times in :math:`\sqrt{h/g}`, so speeds are in :math:`\sqrt{g h}`. Dominoes of twice the size must therefore fall
-exactly :math:`\sqrt2` times as fast, in the same pattern. That is what we check, and we look at what spacing does.
+How fast does the wave run? There is no simple closed form, but there is a scale: lengths are measured in the height
+:math:`h` of a domino, times in :math:`\sqrt{h/g}`, so speeds are in :math:`\sqrt{g h}`. Dominoes of twice the size
+must therefore fall exactly :math:`\sqrt2` times as fast, in the same pattern. That is what we check, and we look at
+what spacing does.
 """
 
 import math
@@ -37,7 +38,7 @@ def wave(height: float, spacing: float) -> tuple[float, st.World]:
     ]  # fmt: skip
     row[0].angular_velocity = (0, 0.8 / unit, 0)
     row[0].velocity = (0.4 * height / unit, 0, 0)
-    fell, picture = [math.nan] * COUNT, None
+    fell = [math.nan] * COUNT
     while math.isnan(fell[-1]) and world.time < 80 * unit:
         world.step()
         for k, domino in enumerate(row):

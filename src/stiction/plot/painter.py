@@ -42,8 +42,8 @@ def axes_of(view: str | tuple[float, float]) -> Array:
     """(3, 3) what is to the right, up, and towards the viewer, as rows in world axes.
 
     Args:
-        view: ``"side"`` (x to the right, z up), ``"front"`` (y to the right, z up), ``"top"`` (x to the right, y up); or
-            where the viewer is, as two angles in degrees: from the x axis towards the y axis, and above the ground.
+        view: ``"side"`` (x to the right, z up), ``"front"`` (y to the right, z up), ``"top"`` (x to the right, y up);
+            or where the viewer is, as two angles in degrees: from the x axis towards the y axis, and above the ground.
 
     Raises:
         InvalidInputError: it is none of these.

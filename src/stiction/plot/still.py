@@ -66,8 +66,8 @@ def bodies(
     Args:
         axes: matplotlib's; what is there already stays.
         world: any world. Bodies have the colour of what they are doing: green sticks, orange slides, violet rolls.
-        view: ``"side"`` (x to the right, z up), ``"front"`` (y to the right, z up), ``"top"`` (x to the right, y up); or
-            where the viewer is, as two angles in degrees: from the x axis towards the y axis, and above the ground.
+        view: ``"side"`` (x to the right, z up), ``"front"`` (y to the right, z up), ``"top"`` (x to the right, y up);
+            or where the viewer is, as two angles in degrees: from the x axis towards the y axis, and above the ground.
         only: the bodies to draw, or their names; all if left out. A plane is drawn as far as bodies reach.
         colors: ``#rrggbb`` of some bodies by name, or of all that move.
         alpha: 1 covers what is below, 0 is invisible.
