@@ -39,7 +39,9 @@ def test_an_example_has_a_title_a_text_and_a_picture(path: Path) -> None:
     assert set(line) == {"="} and len(line) == len(title)
     assert len(" ".join(rest)) > 200, "say what it shows"
     assert text.endswith("plt.show()\n"), "a picture ends it"
-    assert "plt.style.use" in text and re.search(r"plt\.(subplots|figure)\(", text)
+    begun = re.search(r"plt\.(subplots|figure)\(", text)
+    assert "plt.style.use" in text and begun
+    assert "# %%" not in text[begun.start() :], "the gallery takes a picture at the end of a block: draw it in one"
     assert "print(" in text, "say what was measured"
     assert len(text.splitlines()) <= 120
 

@@ -62,8 +62,6 @@ for name, (world, rows) in runs.items():
           f" turns with {turning:6.3f} rad/s^2, expected {torque / inertia:6.3f}")  # fmt: skip
     assert abs(slowing - (left + ASPHALT) / 2 * G) < 0.1 and abs(turning - torque / inertia) < 0.05
 
-# %%
-
 rows = runs["ice on the left"][1]
 road.plot(rows[:, 1], rows[:, 2], color="#1f2a35", lw=1.2, zorder=3)
 road.set(xlim=(-4, 84), ylim=(-6, 6), title="Ice (pale) on the left: the car turns to the side that grips. Every 0.5 s")

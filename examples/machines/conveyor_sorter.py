@@ -50,7 +50,6 @@ world.run(1.0)
 last = world.velocities[1:] @ slope
 plot.bodies(panels[1], world, (-75, 15), colors=colors)
 
-# %%
 # Speeds up the slope at the end, and what those that slide have gained in a second:
 
 print("parcel         mu_s   mu_d    speed (m/s)   gained, expected   measured (m/s)")
@@ -63,8 +62,6 @@ for parcel, a, b, at_last in zip(parcels, early, late, last, strict=True):
         assert abs(at_last - BELT) < 0.01
     else:
         assert abs(b - a + G * (math.sin(TILT) - dynamic * math.cos(TILT))) < 0.02
-
-# %%
 
 for axes, text in zip(
     panels, ("Just before they land", "2.25 s later: film slides down, the rest goes up"), strict=True

@@ -53,7 +53,6 @@ for shot, spin in SHOTS.items():
 above.set(title="Grey hits yellow: every 0.25 s", xlim=(-0.9, 1.3), ylim=(-0.6, 0.6))
 above.set_axis_off()
 
-# %%
 # And the break: the built-in scene ``billiards``, 0.35 s after the cue ball was struck.
 
 simulation = Simulation(load("billiards"))

@@ -78,8 +78,6 @@ world.run(1.2)
 down = sum(body.position[2] < 0.15 for body in world if body.name.startswith("pin"))
 print(f"{down} of ten pins are down")
 
-# %%
-
 x = np.linspace(0.2, 18, 200)
 lane.plot(x, [formula(one) for one in x], color="#c9d1d8", lw=7, label="formula")
 lane.plot(track[::20, 0], track[::20, 1], "o", ms=4, color="#0072b2", label="stiction")

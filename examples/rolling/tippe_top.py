@@ -70,7 +70,6 @@ print(f"spin: {SPIN:.0f} rad/s at first, {spin[-1]:.1f} rad/s at last, expected 
 print(f"Jellett's number has changed by {100 * (share.max() - share.min()):.2f} % at most")
 assert tilt[-1] < -0.9 and abs(spin[-1] / last - 1) < 0.05
 
-# %%
 # The dot is the centre of mass.
 
 below = [figure.add_subplot(grid[1, :2]), figure.add_subplot(grid[1, 2:])]

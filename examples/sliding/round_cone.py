@@ -34,8 +34,6 @@ plot.bodies(axes, world, "top", only=bricks, colors="#c9d1d8", alpha=0.5)
 begin = np.array([brick.position for brick in bricks])
 world.run(1.5)
 
-# %%
-
 radius = SPEED**2 / (2 * MU * G)
 ways = np.array([brick.position for brick in bricks]) - begin
 distances = np.linalg.norm(ways, axis=1)
@@ -43,8 +41,6 @@ swerve = np.degrees(np.arcsin(np.cross(begin / 0.9, ways)[:, 2] / distances))
 print(f"expected {radius:.4f} m; measured from {distances.min():.4f} to {distances.max():.4f} m")
 print(f"swerve: {abs(swerve).max():.4f} degrees at most")
 assert abs(distances / radius - 1).max() < 0.005 and abs(swerve).max() < 0.1
-
-# %%
 
 plot.bodies(axes, world, "top", only=bricks, colors="#0072b2")
 turn = np.linspace(0, 2 * math.pi, 200)

@@ -51,7 +51,7 @@ print(f"dynamic: {acceleration:.4f} m/s^2 on the film, so {dynamic:.4f}; put in 
 assert abs(dynamic - DYNAMIC) < 0.005
 
 # %%
-# The board as one would see it: the picture is turned, for the engine tilted gravity and not the board.
+# The engine tilts gravity instead of the board, so the board looks level here.
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9.6, 3.8), width_ratios=(1.2, 1))
 plot.bodies(left, world, (-70, 20), colors={"block": "#e8590c", "board": "#d9c7a3"})
