@@ -33,9 +33,20 @@ extensions = [
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["_build", "sg_execution_times.rst", "gallery/**/sg_execution_times.rst"]
 
-doctest_global_setup = f"from pathlib import Path\nDOCS = Path({str(HERE)!r})"
-"""So that a page can find its own examples."""
+# So that a page can find its own examples, and what it writes does not lie about.
+doctest_global_setup = f"""
+import os
+import tempfile
+from pathlib import Path
 
+DOCS = Path({str(HERE)!r})
+before, folder = os.getcwd(), tempfile.TemporaryDirectory()
+os.chdir(folder.name)
+"""
+doctest_global_cleanup = """
+os.chdir(before)
+folder.cleanup()
+"""
 EXAMPLES = "../examples"
 STAMP = HERE / "_build" / "examples-made-from"
 """Says what the pictures of the examples were made with: another package makes them anew, not only another example."""
