@@ -50,9 +50,9 @@ def state_of_package() -> str:
 
 
 def sources() -> Iterable[Path]:
-    """Every source of the package, scenes and tables included, in a fixed order."""
+    """Every source of the package, scenes, tables and styles included, in a fixed order."""
     package = Path(stiction.__file__).parent
-    return sorted(path for ending in ("py", "toml") for path in package.rglob(f"*.{ending}"))
+    return sorted(path for ending in ("py", "toml", "mplstyle") for path in package.rglob(f"*.{ending}"))
 
 
 def draw(say: Callable[[str], object] = print) -> None:
