@@ -93,8 +93,10 @@ check: $(VENV)/.installed-dev
 	@$(BIN)/lint-imports
 
 docs: $(VENV)/.installed-docs
-	@echo "[3/3] building the documentation; when the package has changed it draws its figures first ..."
-	@$(BIN)/sphinx-build -W --keep-going -b html docs docs/_build/html
+	@echo "[3/3] building the documentation; when the package has changed it runs its examples and draws its figures first ..."
+	@$(BIN)/sphinx-build -W --keep-going -d docs/_build/doctrees -b html docs docs/_build/html
+	@echo "[3/3] running what the pages show ..."
+	@$(BIN)/sphinx-build -W --keep-going -q -d docs/_build/doctrees -b doctest docs docs/_build/doctest
 	@echo "The documentation is at docs/_build/html/index.html."
 
 docs-pictures: $(VENV)/.installed-dev
@@ -113,5 +115,5 @@ wheel: $(VENV)/.made
 	@$(BIN)/python -m zipfile -l dist/*.whl | grep -v -e '\.py ' -e '^File Name'
 
 clean:
-	rm -rf $(VENV) out dist build docs/_build .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
-	find src tests docs benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -rf $(VENV) out dist build docs/_build docs/gallery docs/sg_execution_times.rst .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
+	find src tests docs examples benchmarks -name __pycache__ -type d -prune -exec rm -rf {} +

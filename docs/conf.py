@@ -7,7 +7,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from stiction import __version__
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE / "figures")]
+
+import gallery  # noqa: E402  # in docs/figures, which is on the path now
+import scene_reference  # noqa: E402  # beside this file
+
+from stiction import __version__  # noqa: E402  # after the path
 
 project = "stiction"
 author = "stiction developers"
@@ -19,11 +25,51 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx-mathjax-offline",  # MathJax travels with the pages: formulas need no network
+    "sphinx.ext.doctest",
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
+    "sphinx_gallery.gen_gallery",
 ]
-source_suffix = {".md": "markdown"}
-exclude_patterns = ["_build"]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+exclude_patterns = ["_build", "sg_execution_times.rst", "gallery/**/sg_execution_times.rst"]
+
+# So that a page can find its own examples, and what it writes does not lie about.
+doctest_global_setup = f"""
+import os
+import tempfile
+from pathlib import Path
+
+DOCS = Path({str(HERE)!r})
+before, folder = os.getcwd(), tempfile.TemporaryDirectory()
+os.chdir(folder.name)
+"""
+doctest_global_cleanup = """
+os.chdir(before)
+folder.cleanup()
+"""
+EXAMPLES = "../examples"
+STAMP = HERE / "_build" / "examples-made-from"
+"""Says what the pictures of the examples were made with: another package makes them anew, not only another example."""
+
+
+def _with_this_package() -> bool:
+    return STAMP.exists() and STAMP.read_text() == gallery.state_of_package()
+
+
+sphinx_gallery_conf = {
+    "examples_dirs": EXAMPLES,
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"\.py$",
+    "subsection_order": [f"{EXAMPLES}/{name}" for name in ("sliding", "rolling", "standing", "grains", "machines")],
+    "within_subsection_order": "FileNameSortKey",
+    "abort_on_example_error": True,
+    "run_stale_examples": not _with_this_package(),
+    "remove_config_comments": True,
+    "min_reported_time": 1000,
+    "show_signature": False,
+    "show_memory": False,
+    "download_all_examples": False,
+}
 
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath", "fieldlist"]
 myst_heading_anchors = 3
@@ -56,13 +102,23 @@ def _draw_figures(app: Any) -> None:
     """Draw the contact sheet of figures before pages are read, if the package or its commands have changed."""
     from sphinx.util import logging
 
-    sys.path.insert(0, str(Path(__file__).parent / "figures"))
-    import gallery
-
     gallery.draw(logging.getLogger(__name__).info)
+
+
+def _write_reference(app: Any) -> None:
+    """Write the reference of scene files out of their models."""
+    scene_reference.write()
+
+
+def _stamp_examples(app: Any, exception: Exception | None) -> None:
+    """Remember with which package the examples have run."""
+    if exception is None:
+        STAMP.write_text(gallery.state_of_package())
 
 
 def setup(app: Any) -> None:
     """Called by Sphinx."""
     app.connect("builder-inited", _draw_figures)
+    app.connect("builder-inited", _write_reference)
+    app.connect("build-finished", _stamp_examples)
     app.connect("autodoc-process-docstring", _prepare_docstring, priority=400)

@@ -38,16 +38,21 @@ def commands(text: str) -> dict[str, list[str]]:
 
 def state(text: str) -> str:
     """A hash of all that the pictures depend on: the commands and the package."""
-    digest = hashlib.blake2b(repr(commands(text)).encode(), digest_size=16)
+    return hashlib.blake2b(f"{commands(text)!r} {state_of_package()}".encode(), digest_size=16).hexdigest()
+
+
+def state_of_package() -> str:
+    """A hash of the package's sources."""
+    digest = hashlib.blake2b(digest_size=16)
     for path in sources():
         digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
 def sources() -> Iterable[Path]:
-    """Every source of the package, scenes and tables included, in a fixed order."""
+    """Every source of the package, scenes, tables and styles included, in a fixed order."""
     package = Path(stiction.__file__).parent
-    return sorted(path for ending in ("py", "toml") for path in package.rglob(f"*.{ending}"))
+    return sorted(path for ending in ("py", "toml", "mplstyle") for path in package.rglob(f"*.{ending}"))
 
 
 def draw(say: Callable[[str], object] = print) -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import badges
 import braking_on_ice
 import clipping
+import concepts
 import push_and_release
 import stopping
 import threshold
@@ -11,7 +13,7 @@ import threshold
 
 def main() -> None:
     """Draw all of them and print the numbers that the pages quote."""
-    for figure in (stopping, clipping, push_and_release, threshold, braking_on_ice):
+    for figure in (stopping, clipping, push_and_release, threshold, braking_on_ice, concepts, badges):
         print(f"--- {figure.__name__}")
         figure.draw()
 

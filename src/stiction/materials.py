@@ -49,6 +49,7 @@ class MaterialTable:
     and ``name in table`` says whether a material is known.
 
     Example:
+        >>> from stiction import MaterialTable
         >>> table = MaterialTable.lecture()
         >>> table.pair("ice", "wood").static
         0.2

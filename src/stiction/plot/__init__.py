@@ -13,6 +13,19 @@ from __future__ import annotations
 
 from stiction.plot.canvas import save
 from stiction.plot.kinds import KINDS, Kind, draw
+from stiction.plot.still import bodies, picture, project
 from stiction.plot.track import Observer, Track, from_recording, observe
 
-__all__ = ["KINDS", "Kind", "Observer", "Track", "draw", "from_recording", "observe", "save"]
+__all__ = [
+    "KINDS",
+    "Kind",
+    "Observer",
+    "Track",
+    "bodies",
+    "draw",
+    "from_recording",
+    "observe",
+    "picture",
+    "project",
+    "save",
+]

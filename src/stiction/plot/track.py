@@ -53,6 +53,7 @@ class Observer(Recorder):
 
     Example:
         >>> import stiction as st
+        >>> from stiction.plot import Observer
         >>> world = st.World()
         >>> floor = world.add(st.Plane(), static=True)
         >>> crate = world.add(st.Box((1, 1, 1)), position=(0, 0, 0.5), velocity=(1, 0, 0))

@@ -86,6 +86,8 @@ class ContactProblem:
     Raises:
         InvalidInputError: a shape does not fit, a number is not finite, or a coefficient is below zero.
 
+    >>> import numpy as np
+    >>> from stiction.problems import ContactProblem
     >>> problem = ContactProblem(np.eye(3), q=[-1.0, 0.5, 0.0], mu=0.3)
     >>> problem.contacts
     1
