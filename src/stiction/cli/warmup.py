@@ -19,7 +19,7 @@ def warmup() -> None:
     from stiction.cli.kernels import noting_times
     from stiction.core import jit
 
-    say("compiling kernels, about 20 s …" if jit.is_cold() else "kernels lie in the cache; loading them …")
+    say("compiling kernels, about a minute …" if jit.is_cold() else "kernels lie in the cache; loading them …")
     began = time.perf_counter()
     with noting_times():
         world = World()
