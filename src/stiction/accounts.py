@@ -17,10 +17,14 @@ from stiction.hashing import STATE_WIDTH, state_hash
 from stiction.reports import Energy, SolverReport
 
 if TYPE_CHECKING:
+    from stiction.journal import Journal
     from stiction.problems import ContactProblem
     from stiction.store import Store
 
 Array = NDArray[np.float64]
+
+TOUCHING = 1e-5
+"""m: contact points without load are reported where surfaces are no farther apart than that."""
 
 
 class Accounts:
@@ -33,6 +37,7 @@ class Accounts:
     _gravity: Array
     _iterations: int
     _warned: bool
+    _journal: Journal | None
 
     if TYPE_CHECKING:
 
@@ -51,36 +56,42 @@ class Accounts:
         """
         if body is not None:
             self._own("body", body)
-        state, store = self._state, self._store
-        store.collect_contacts()
-        numbers, tags = store.contacts[: store.m], store.tags[: store.m]
-        keep = (numbers[:, state.TOTAL] > 0.0) | (numbers[:, state.SEPARATION] <= 1e-5)
+        state, (numbers, tags) = self._state, self._raw_contacts()
         if body is not None:
-            keep &= (tags[:, state.BODY_A] == body.index) | (tags[:, state.BODY_B] == body.index)
-        numbers, tags = numbers[keep], tags[keep]
-        rows = np.zeros(len(numbers), CONTACT_DTYPE)
-        rows["body_a"], rows["body_b"] = tags[:, state.BODY_A], tags[:, state.BODY_B]
-        rows["point"] = numbers[:, state.POINT : state.POINT + 3]
-        rows["normal"] = numbers[:, state.NORMAL : state.NORMAL + 3]
-        rows["separation"] = numbers[:, state.SEPARATION]
-        rows["normal_impulse"] = numbers[:, state.TOTAL]
-        rows["friction_impulse"] = numbers[:, state.TOTAL_FRICTION : state.TOTAL_FRICTION + 3]
-        rows["sticking"] = (numbers[:, state.TOTAL] > 0.0) & (tags[:, state.STATUS] & state.SLIDING != state.SLIDING)
-        return rows
+            mine = (tags[:, state.BODY_A] == body.index) | (tags[:, state.BODY_B] == body.index)
+            numbers, tags = numbers[mine], tags[mine]
+        return contact_rows(numbers, tags)
+
+    def _raw_contacts(self) -> tuple[Array, NDArray[np.int64]]:
+        """Views of the engine's rows of contact points, for :func:`contact_rows`; valid until the next step."""
+        store = self._store
+        store.collect_contacts()
+        return store.contacts[: store.m], store.tags[: store.m]
 
     def energy(self) -> Energy:
         """The ledger of energy, J."""
-        state, ledger = self._state, self._store.ledger
+        state, ledger = self._state, self._store.ledger.tolist()
         kinetic, potential = self._store.energy(self._gravity)
-        initial, edits = float(ledger[state.INITIAL]), float(ledger[state.EDITS])
+        initial, edits = ledger[state.INITIAL], ledger[state.EDITS]
         if math.isnan(initial):
             initial = kinetic + potential
         else:
-            edits += kinetic + potential - float(ledger[state.MECHANICAL])
-        sums = (state.FRICTION, state.ROLLING_LOSS, state.IMPACTS, state.WORK)
-        friction, rolling, impacts, work = (float(ledger[k]) for k in sums)
-        numerical = float(ledger[state.NUMERICAL])
+            edits += kinetic + potential - ledger[state.MECHANICAL]
+        friction, rolling, impacts = ledger[state.FRICTION], ledger[state.ROLLING_LOSS], ledger[state.IMPACTS]
+        work, numerical = ledger[state.WORK], ledger[state.NUMERICAL]
         return Energy(kinetic, potential, friction, rolling, impacts, work, edits, numerical, initial)
+
+    def _note_friction(self, index: int, lost: float) -> None:
+        """Enter into the ledger what friction takes (J) from body ``index`` by forces that are applied from outside.
+
+        They are entered as work when the step is taken; what was friction among them is given back here.
+        """
+        if self._journal is not None:
+            self._journal.entered_friction(index, lost)
+        state = self._state
+        self._store.ledger[state.FRICTION] += lost
+        self._store.ledger[state.WORK] += lost
+        self._store.bodies[index, state.FRICTION_WORK] += lost
 
     def report(self) -> SolverReport:
         """How much the solver worked, and whether it hit a limit."""
@@ -186,3 +197,25 @@ class Accounts:
             IterationLimitWarning,
             stacklevel=3,
         )
+
+
+def contact_rows(numbers: Array, tags: NDArray[np.int64]) -> NDArray[Any]:
+    """Rows of ``CONTACT_DTYPE`` of what the engine holds of contact points, without those that neither bear nor touch.
+
+    Args:
+        numbers: (m, 32). tags: (m, 4). See :mod:`stiction.core.state`.
+    """
+    from stiction.core import state
+
+    keep = (numbers[:, state.TOTAL] > 0.0) | (numbers[:, state.SEPARATION] <= TOUCHING)
+    if not keep.all():
+        numbers, tags = numbers[keep], tags[keep]
+    rows = np.zeros(len(numbers), CONTACT_DTYPE)
+    rows["body_a"], rows["body_b"] = tags[:, state.BODY_A], tags[:, state.BODY_B]
+    rows["point"] = numbers[:, state.POINT : state.POINT + 3]
+    rows["normal"] = numbers[:, state.NORMAL : state.NORMAL + 3]
+    rows["separation"] = numbers[:, state.SEPARATION]
+    rows["normal_impulse"] = numbers[:, state.TOTAL]
+    rows["friction_impulse"] = numbers[:, state.TOTAL_FRICTION : state.TOTAL_FRICTION + 3]
+    rows["sticking"] = (numbers[:, state.TOTAL] > 0.0) & (tags[:, state.STATUS] & state.SLIDING != state.SLIDING)
+    return rows

@@ -55,8 +55,8 @@ class Playback(Session):
         late = self._time + 1e-3 * self._frames.dt
         return max(0, int(np.searchsorted(self._frames.times, late, side="right")) - 1)
 
-    def tick(self, elapsed: float) -> bool:
-        """Go on in time; at the end the play stops."""
+    def tick(self, elapsed: float, room: float | None = None) -> bool:
+        """Go on in time; at the end the play stops. Nothing has to be worked out, so ``room`` does not matter."""
         if not self.playing:
             return False
         before = self.index
