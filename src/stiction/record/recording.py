@@ -286,9 +286,10 @@ class Recording:
         Raises:
             InvalidInputError: a value is not allowed, or there is no frame in that part.
         """
-        from stiction.view.show import show_frames
+        from stiction.view.server import Viewer
+        from stiction.view.show import playback_of
 
-        return show_frames(self.frames(start, stop), host=host, port=port)
+        return Viewer(playback_of(self, start, stop), host=host, port=port)
 
     def inline(self, start: float | None = None, stop: float | None = None, *, height: int = 480) -> Inline:
         """The part as a page of its own in a cell of a notebook: it plays there from the notebook's file alone, and so

@@ -252,7 +252,7 @@ class Viewer:
         self.sent += 1
 
     def _refresh(self) -> None:
-        words = [self._note] if self._note else []
+        words = [note for note in (self.session.note, self._note) if note]
         if self._overlays.hidden:
             words.append(f"the {self._overlays.hidden} contact points with the least load are not shown")
         self._panel.refresh(self._frame.time, len(self._frame.contacts), "; ".join(words))

@@ -56,6 +56,8 @@ class Session:
     """
 
     live = False
+    note = ""
+    """What the reader should know of what is shown, or the empty text."""
 
     def __init__(self, title: str, bodies: list[BodyInfo]) -> None:
         self.title = title

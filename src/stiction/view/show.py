@@ -5,6 +5,8 @@ from __future__ import annotations
 import html
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from stiction.view.html import page_of
 from stiction.view.playback import Playback
 from stiction.view.server import HOST, PORT, Viewer
@@ -12,6 +14,7 @@ from stiction.view.session import LiveSession
 
 if TYPE_CHECKING:
     from stiction.record.frames import Frames
+    from stiction.record.recording import Recording
     from stiction.world import World
 
 
@@ -20,9 +23,14 @@ def show(world: World, *, title: str = "a world", host: str = HOST, port: int = 
     return Viewer(LiveSession(world, title), host=host, port=port)
 
 
-def show_frames(frames: Frames, *, host: str = HOST, port: int = PORT) -> Viewer:
-    """A view of a recording that plays; a notebook shows it in its cell. See :meth:`stiction.Recording.show`."""
-    return Viewer(Playback(frames), host=host, port=port)
+def playback_of(recording: Recording, start: float | None = None, stop: float | None = None) -> Playback:
+    """A recording, or a part of it, as a session."""
+    if recording.format_version == 1:
+        return Playback(recording.frames(start, stop))
+    rows = recording.energies[recording.span(start, stop)]
+    dissipated = rows["friction"] + rows["rolling"] + rows["impacts"]
+    energies = np.column_stack([rows["kinetic"], rows["potential"], dissipated])
+    return Playback(recording.frames(start, stop), energies)
 
 
 class Inline:
