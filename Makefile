@@ -100,7 +100,7 @@ docs: $(VENV)/.installed-docs
 	@echo "The documentation is at docs/_build/html/index.html."
 
 docs-pictures: $(VENV)/.installed-dev
-	@echo "[3/3] taking the picture of the live view ..."
+	@echo "[3/3] taking the pictures of the live view ..."
 	@$(BIN)/python docs/make_view_picture.py
 
 format: $(VENV)/.installed-dev

@@ -94,7 +94,7 @@ def main() -> None:
                 more = 100.0 * (np.median(b) / np.median(a) - 1.0)
                 print(f"| {words} | {clock} | {spread(a)} | {spread(b)} | {more:+.1f} % |", flush=True)
         print("\n| scene of 1,000 bodies | steps | MB | bytes a body and step |\n| --- | --- | --- | --- |")
-        for scene in given.scenes.split(","):
+        for scene in filter(None, given.scenes.split(",")):
             for sleeping in (True, False) if scene == "pile" else (True,):
                 megabytes, _ = size(scene, given.steps, sleeping, folder)
                 words = f"{scene}{'' if sleeping else ', never asleep'}"

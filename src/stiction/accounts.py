@@ -17,6 +17,7 @@ from stiction.hashing import STATE_WIDTH, state_hash
 from stiction.reports import Energy, SolverReport
 
 if TYPE_CHECKING:
+    from stiction.journal import Journal
     from stiction.problems import ContactProblem
     from stiction.store import Store
 
@@ -33,6 +34,7 @@ class Accounts:
     _gravity: Array
     _iterations: int
     _warned: bool
+    _journal: Journal | None
 
     if TYPE_CHECKING:
 
@@ -51,26 +53,42 @@ class Accounts:
         """
         if body is not None:
             self._own("body", body)
+        state, (numbers, tags) = self._state, self._raw_contacts()
+        if body is not None:
+            mine = (tags[:, state.BODY_A] == body.index) | (tags[:, state.BODY_B] == body.index)
+            numbers, tags = numbers[mine], tags[mine]
+        return contact_rows(numbers, tags)
+
+    def _raw_contacts(self) -> tuple[Array, NDArray[np.int64]]:
+        """Views of the engine's rows of contact points, for :func:`contact_rows`; valid until the next step."""
         store = self._store
         store.collect_contacts()
-        rows = contact_rows(store.contacts[: store.m], store.tags[: store.m])
-        if body is not None:
-            rows = rows[(rows["body_a"] == body.index) | (rows["body_b"] == body.index)]
-        return rows
+        return store.contacts[: store.m], store.tags[: store.m]
 
     def energy(self) -> Energy:
         """The ledger of energy, J."""
-        state, ledger = self._state, self._store.ledger
+        state, ledger = self._state, self._store.ledger.tolist()
         kinetic, potential = self._store.energy(self._gravity)
-        initial, edits = float(ledger[state.INITIAL]), float(ledger[state.EDITS])
+        initial, edits = ledger[state.INITIAL], ledger[state.EDITS]
         if math.isnan(initial):
             initial = kinetic + potential
         else:
-            edits += kinetic + potential - float(ledger[state.MECHANICAL])
-        sums = (state.FRICTION, state.ROLLING_LOSS, state.IMPACTS, state.WORK)
-        friction, rolling, impacts, work = (float(ledger[k]) for k in sums)
-        numerical = float(ledger[state.NUMERICAL])
+            edits += kinetic + potential - ledger[state.MECHANICAL]
+        friction, rolling, impacts = ledger[state.FRICTION], ledger[state.ROLLING_LOSS], ledger[state.IMPACTS]
+        work, numerical = ledger[state.WORK], ledger[state.NUMERICAL]
         return Energy(kinetic, potential, friction, rolling, impacts, work, edits, numerical, initial)
+
+    def _note_friction(self, index: int, lost: float) -> None:
+        """Enter into the ledger what friction takes (J) from body ``index`` by forces that are applied from outside.
+
+        They are entered as work when the step is taken; what was friction among them is given back here.
+        """
+        if self._journal is not None:
+            self._journal.entered_friction(index, lost)
+        state = self._state
+        self._store.ledger[state.FRICTION] += lost
+        self._store.ledger[state.WORK] += lost
+        self._store.bodies[index, state.FRICTION_WORK] += lost
 
     def report(self) -> SolverReport:
         """How much the solver worked, and whether it hit a limit."""

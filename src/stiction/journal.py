@@ -41,6 +41,9 @@ class Journal(Protocol):
     def gravity(self, value: Array) -> None:
         """Gravity is about to be set, (3,) m/s^2."""
 
+    def entered_friction(self, index: int, lost: float) -> None:
+        """Forces from outside were friction: J that the ledger is about to enter for body ``index``."""
+
     def follow(self, step: Step, steps: int, settings: Any, table: Any) -> StepFailure | None:
         """Take steps with ``step``, and note each of them."""
 

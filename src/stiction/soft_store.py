@@ -215,12 +215,13 @@ class SoftStore(Store):
 
     def collect_contacts(self) -> None:
         """Fill the rows of contact points."""
-        soft, pairs = self.soft, int(self.cache.counts[PAIRS])
+        soft, pairs = self.soft, self.cache.pairs[: self.cache.counts[PAIRS]]
+        # most pairs of a heap are near each other without touching
+        pairs = pairs[soft.meta[pairs[:, SLOT] + 1, soft_rows.POINTS] > 0.0]
         while True:
             self.m = report_contacts(
-                self.bodies, self.cache.pairs, pairs, soft.manifolds, soft.meta, soft.reports, self.contacts,
-                self.tags,
-            )  # fmt: skip
+                self.bodies, pairs, len(pairs), soft.manifolds, soft.meta, soft.reports, self.contacts, self.tags
+            )
             if self.m <= len(self.contacts):
                 return
             self.contacts, self.tags = state.make_contacts(self.m)

@@ -555,16 +555,6 @@ class World(Queries, Accounts, Journaled):
         self._store.kinds[index, getattr(self._state, column)] = value
         self._store.edited(index)
 
-    def _note_friction(self, index: int, lost: float) -> None:
-        """Enter into the ledger what friction takes (J) from body ``index`` by forces that are applied from outside.
-
-        They are entered as work when the step is taken; what was friction among them is given back here.
-        """
-        state = self._state
-        self._store.ledger[state.FRICTION] += lost
-        self._store.ledger[state.WORK] += lost
-        self._store.bodies[index, state.FRICTION_WORK] += lost
-
     def _is_asleep(self, index: int) -> bool:
         return bool(self._store.kinds[index, self._state.ASLEEP])
 

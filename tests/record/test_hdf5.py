@@ -222,7 +222,7 @@ def test_a_signal_in_the_middle_of_a_run_does_the_same(tmp_path: Path) -> None:
     assert_same(frames, full_frames(), first=simulation.step_index // 2 + 1)
 
 
-@pytest.mark.parametrize("place", ["_state", "_moment", "_hand_over", "step"])
+@pytest.mark.parametrize("place", ["_copy_state", "_moment", "_hand_over", "step"])
 def test_ctrl_c_in_the_middle_of_noting_a_step_loses_nothing(
     place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 import stiction as st
 from stiction import InvalidInputError
-from stiction.record.inputs import COLUMNS, GRAVITY, KINDS, TEXT, VIEW
+from stiction.record.inputs import COLUMNS, FRICTION, GRAVITY, KINDS, TEXT, VIEW
 from stiction.record.layout import OPEN_OUTCOME
 from stiction.record.replay import check
 from stiction.record.writer import RecordingWriter
@@ -118,12 +118,39 @@ def test_a_world_that_was_changed_comes_out_the_same(change: Callable[[st.World]
 
 def test_every_kind_of_input_is_tried() -> None:
     """A new one must not be forgotten in the test above."""
-    assert set(KINDS) == {*COLUMNS, VIEW, GRAVITY, TEXT}
+    assert set(KINDS) == {*COLUMNS, VIEW, GRAVITY, TEXT, FRICTION}
     tried = {
         "position", "orientation", "velocity", "angular velocity", "surface velocity", "force", "torque", "mass",
         "inverse mass", "inertia", "inverse inertia",
     }  # fmt: skip
     assert set(COLUMNS) == tried
+
+
+def test_a_drive_comes_out_the_same_when_the_road_turns_to_ice(tmp_path: Path) -> None:
+    """Steering, throttle and brake are recorded as the forces that they come to, what the tyres take as friction."""
+    world = st.World()
+    world.materials.set_pair("tyre", "road", static=1.0, dynamic=0.9)
+    world.add(st.Plane(), static=True, material="road")
+    body = world.add(st.Box((4, 1.6, 0.5)), mass=1200, position=(0, 0, 0.55), velocity=(15, 0, 0), name="car")
+    wheels = st.four_wheels(front=1.3, rear=-1.3, track=1.5, hub_height=-0.25, tyre="tyre")
+    car = st.Vehicle(world, body, wheels, visible=False)
+    with RecordingWriter(tmp_path / "drive.h5", world, every=4, checkpoint_steps=25):
+        car.throttle, car.steer = 0.5, 0.1
+        car.step(20)
+        world.materials.set_pair("tyre", "road", static=0.15, dynamic=0.1)
+        car.throttle, car.brake = 0.0, 1.0
+        car.step(40)
+    assert world.energy().friction > 1000.0
+    assert body.friction_work > 1000.0
+    with st.Recording.open(tmp_path / "drive.h5") as recording:
+        assert "friction from outside" in {one.what for one in recording.inputs()}
+        for start in (None, 30 / 60):
+            assert recording.check(start).same
+        again = recording.world()
+        assert again.state_hash() == world.state_hash()
+        assert again.energy() == world.energy()
+        assert again["car"].friction_work == body.friction_work
+        assert recording.energies["friction"][-1] == world.energy().friction
 
 
 @pytest.mark.filterwarnings("ignore::stiction.IterationLimitWarning")

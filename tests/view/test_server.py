@@ -139,14 +139,21 @@ def test_stop_closes_the_port_and_ends_the_thread() -> None:
         pass
 
 
-def test_garbage_does_not_end_the_view(viewer: Viewer, rng: np.random.Generator) -> None:
-    for k in range(50):
+def test_garbage_from_200_clients_neither_ends_the_view_nor_stays_in_memory(
+    viewer: Viewer, rng: np.random.Generator
+) -> None:
+    resource = pytest.importorskip("resource", reason="tells the memory of a process, on Unix alone")
+    settled = 0
+    for k in range(200):
         with connect(viewer, greet=k % 2 == 0) as client:
             client.send(rng.bytes(int(rng.integers(1, 2000))) if k % 3 else "no bytes but a text")
+        if k == 20:
+            settled = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     for _ in range(5):
         with socket.create_connection(("127.0.0.1", viewer.port)) as raw:
             raw.sendall(secrets.token_bytes(200))
     until(lambda: viewer.clients == 0)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1.05 * settled
     before = viewer.sent
     with connect(viewer) as client:
         assert client.recv(timeout=10.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from stiction.errors import InvalidInputError, NotYetError, SimulationError
 from stiction.motion import Motion
 from stiction.record.recorder import Recorder
 from stiction.view.grab import MOST_WEIGHTS, Grab
-from stiction.view.open import is_recording
+from stiction.view.open import is_recording, open_recording
 from stiction.view.overlays import patch_outlines
 from stiction.view.playback import Playback
 from stiction.view.session import MOST_BEHIND, LiveSession
@@ -358,3 +359,16 @@ def test_steps_go_from_frame_to_frame(playback: Playback) -> None:
 )
 def test_what_is_a_recording(what: str, expected: bool) -> None:
     assert is_recording(what) == expected
+
+
+def test_the_chart_of_a_recording_shows_what_it_recorded_and_says_what_it_did_not(tmp_path: Path) -> None:
+    world = crate_world()
+    world["crate"].velocity = (3, 0, 0)
+    with world.record(tmp_path / "run.h5"):
+        world.run(0.5)
+    playback = open_recording(tmp_path / "run.h5")
+    playback.seek(playback.end)
+    playback.frame()
+    assert playback.chart[-1].kinetic == world.energy().kinetic
+    assert playback.chart[-1].dissipated == world.energy().dissipated > 1.0
+    assert "without contacts" in playback.note

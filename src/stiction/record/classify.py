@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction.hashing import PARTS, STATE_WIDTH
 from stiction.motion import Motion
 from stiction.world import World
 
@@ -16,11 +19,27 @@ TURNING_SPEED = 1e-3
 
 def fixed_bodies(world: World) -> NDArray[np.bool_]:
     """(n,) which bodies are static or kinematic."""
-    return np.fromiter((body.mobility != "dynamic" for body in world), np.bool_, len(world))
+    state = world._state
+    fixed: NDArray[np.bool_] = world._store.kinds[: len(world), state.MOBILITY] != state.DYNAMIC
+    return fixed
 
 
-def classify(world: World, fixed: NDArray[np.bool_] | None = None) -> NDArray[np.uint8]:
-    """(n,) values of :class:`stiction.motion.Motion`, one a body in order of creation.
+def classify(
+    world: World, fixed: NDArray[np.bool_] | None = None, rows: NDArray[Any] | None = None
+) -> NDArray[np.uint8]:
+    """(n,) values of :class:`stiction.motion.Motion`, one a body in order of creation, see :func:`judge`.
+
+    Args:
+        world: a world after a step.
+        fixed: (n,) what :func:`fixed_bodies` gives, for callers that ask often.
+        rows: what ``world.contacts()`` gives, for callers that have it.
+    """
+    state = world._store.column(world._state.POSITION, STATE_WIDTH)
+    return judge(state, fixed_bodies(world) if fixed is None else fixed, world.contacts() if rows is None else rows)
+
+
+def judge(state: NDArray[np.float64], fixed: NDArray[np.bool_], rows: NDArray[Any]) -> NDArray[np.uint8]:
+    """(n,) values of :class:`stiction.motion.Motion` of n bodies.
 
     A body slides if one of its loaded contact points does not stick. It rolls if all of them stick and it turns over
     one of them: |w x r|, the speed that the turning gives its centre, is notable compared with the speed it has. Spin
@@ -28,29 +47,34 @@ def classify(world: World, fixed: NDArray[np.bool_] | None = None) -> NDArray[np
     the first step nothing is known of contacts, so every body that can move is free.
 
     Args:
-        world: a world after a step.
-        fixed: (n,) what :func:`fixed_bodies` gives, for callers that ask often.
+        state: (n, 13), see :data:`stiction.hashing.STATE_WIDTH`.
+        fixed: (n,) which of them are static or kinematic.
+        rows: of ``CONTACT_DTYPE``.
     """
-    n = len(world)
-    fixed = fixed_bodies(world) if fixed is None else fixed
-    rows = world.contacts()
-    rows = rows[rows["normal_impulse"] > 0.0]
-
+    n = len(state)
+    loaded = np.flatnonzero(rows["normal_impulse"] > 0.0)
+    a, b, held = (rows[name].take(loaded) for name in ("body_a", "body_b", "sticking"))
     touched, slides, rolls = (np.zeros(n, np.bool_) for _ in range(3))
-    a, b = rows["body_a"], rows["body_b"]
-    held = rows["sticking"]
     for body in (a, b):
         touched[body] = True
         slides[body[~held]] = True
 
-    normal = rows["normal"]
-    spin = world.angular_velocities[a] - world.angular_velocities[b]
-    spin -= normal * np.sum(normal * spin, axis=1, keepdims=True)
+    # of a contact between bodies that are known already, nothing new can be said
+    known = slides | fixed
+    rest = held & ~(known[a] & known[b])
+    a, b, loaded = a[rest], b[rest], loaded[rest]
+    # taken from contiguous arrays, which is several times as fast as an index into others
+    normal, point = (rows[name].take(loaded, axis=0) for name in ("normal", "point"))
+    positions, velocities, spins = (
+        np.ascontiguousarray(state[:, PARTS[name]]) for name in ("positions", "velocities", "angular_velocities")
+    )
+    spin = spins.take(a, axis=0) - spins.take(b, axis=0)
+    spin -= normal * _dot(normal, spin)[:, None]
+    turning = _dot(spin, spin)
+    speed = np.maximum(TURNING_SPEED**2, TURNING_SHARE**2 * _dot(velocities, velocities))
     for body in (a, b):
-        arm = np.linalg.norm(rows["point"] - world.positions[body], axis=1)
-        turning = np.linalg.norm(spin, axis=1) * arm
-        speed = np.linalg.norm(world.velocities[body], axis=1)
-        rolls[body[held & (turning > np.maximum(TURNING_SPEED, TURNING_SHARE * speed))]] = True
+        arm = point - positions.take(body, axis=0)
+        rolls[body[turning * _dot(arm, arm) > speed.take(body)]] = True
 
     motion = np.full(n, Motion.FREE, np.uint8)
     motion[touched] = Motion.STICKING
@@ -58,3 +82,9 @@ def classify(world: World, fixed: NDArray[np.bool_] | None = None) -> NDArray[np
     motion[slides] = Motion.SLIDING
     motion[fixed] = Motion.FIXED
     return motion
+
+
+def _dot(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Row by row."""
+    result: NDArray[np.float64] = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
+    return result

@@ -32,13 +32,14 @@ class PlainColumn:
         self.dataset = file.create_dataset(
             name, (0, *shape), dtype, maxshape=(None, *shape), chunks=(rows, *(max(1, size) for size in shape))
         )
+        self._dtype = self.dataset.dtype  # asking HDF5 takes longer than adding a row
         self._waiting: list[NDArray[Any]] = []
         self.length = 0
         """Rows that are in the file."""
 
     def add(self, rows: Any) -> None:
         """Append rows, which are written with the next :meth:`write`."""
-        values = np.asarray(rows, self.dataset.dtype)
+        values = np.asarray(rows, self._dtype)
         if len(values):
             self._waiting.append(values)
 

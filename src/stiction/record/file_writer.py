@@ -16,10 +16,11 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.contacts import CONTACT_DTYPE
+from stiction.contacts import CONTACT_DTYPE, contact_rows
 from stiction.errors import OutputError
 from stiction.hashing import PARTS, Fingerprint
 from stiction.record import layout
+from stiction.record.classify import judge
 from stiction.record.columns import LEVEL, PackedColumn, PlainColumn, encode, piece_rows
 from stiction.record.inputs import KINDS, TEXT
 from stiction.record.recorder import WIDTHS
@@ -36,13 +37,14 @@ class Moment(NamedTuple):
 
     Attributes:
         energy: nine numbers, J, as :data:`stiction.record.layout.ENERGY_FIELDS` names them.
-        contacts: rows of ``CONTACT_DTYPE``; None if they are not kept.
-        motion: (n,) uint8 values of :class:`stiction.motion.Motion`; None if they are not kept.
+        contacts: the engine's rows of contact points, see :func:`stiction.contacts.contact_rows`; None if they are not
+            kept.
+        fixed: (n,) which bodies do not move by themselves; None with them.
     """
 
     energy: tuple[float, ...]
-    contacts: NDArray[Any] | None
-    motion: NDArray[np.uint8] | None
+    contacts: tuple[Array, NDArray[np.int64]] | None
+    fixed: NDArray[np.bool_] | None
 
 
 class RawInput(NamedTuple):
@@ -194,15 +196,15 @@ class FileWriter:
         moments = [batch.frames[step] for step in steps]
         plain["frames/energy"].add([moment.energy for moment in moments])
         ends = []
-        for moment in moments:
-            if moment.contacts is not None and moment.motion is not None:
-                rows = moment.contacts.copy()
-                rows["body_a"], rows["body_b"] = slots[rows["body_a"]], slots[rows["body_b"]]
-                plain["contacts"].add(rows.astype(plain["contacts"].dataset.dtype))
-                self._rows += len(rows)
+        for moment, state in zip(moments, states, strict=True):
+            if moment.contacts is not None and moment.fixed is not None:
+                rows = contact_rows(*moment.contacts)
                 motion = np.zeros((1, self._slots, 1), np.uint8)
-                motion[0, slots, 0] = moment.motion
+                motion[0, slots, 0] = judge(state, moment.fixed, rows)
                 self._packed["motion"].add(motion)
+                rows["body_a"], rows["body_b"] = slots[rows["body_a"]], slots[rows["body_b"]]
+                plain["contacts"].add(rows)
+                self._rows += len(rows)
             ends.append(self._rows)
         plain["frames/contact_ends"].add(ends)
 

@@ -37,11 +37,12 @@ COLUMNS = {
 }
 """Inputs that set numbers of a body: the column of its row in which they begin, and how many they are. ``force`` and
 ``torque`` are the sums that act in the coming step."""
-VIEW, GRAVITY, TEXT = "state through a view", "gravity", "text"
-KINDS = (*COLUMNS, VIEW, GRAVITY, TEXT)
+VIEW, GRAVITY, TEXT, FRICTION = "state through a view", "gravity", "text", "friction from outside"
+KINDS = (*COLUMNS, VIEW, GRAVITY, TEXT, FRICTION)
 """What an input is, by its number in a file. ``state through a view`` is a state of 13 numbers, written into the
-world's arrays; a ``text`` is a line of ``inputs/texts``."""
-NUMBERS = {**{name: width for name, (_, width) in COLUMNS.items()}, VIEW: STATE_WIDTH, GRAVITY: 3, TEXT: 0}
+world's arrays; a ``text`` is a line of ``inputs/texts``; ``friction from outside`` is what a tyre's forces took, J. New
+kinds come last, since files know them by number."""
+NUMBERS = {**{name: width for name, (_, width) in COLUMNS.items()}, VIEW: STATE_WIDTH, GRAVITY: 3, TEXT: 0, FRICTION: 1}
 """How many numbers go with it."""
 CODES = {column: KINDS.index(name) for name, (column, _) in COLUMNS.items()}
 WIDTHS_BY_CODE = np.array([NUMBERS[name] for name in KINDS], np.int64)
@@ -90,6 +91,8 @@ def apply(world: World, given: Input) -> None:
         world._store.bodies[given.body, state : state + STATE_WIDTH] = given.numbers
     elif given.what == GRAVITY:
         world.gravity = given.numbers
+    elif given.what == FRICTION:
+        world._note_friction(given.body, float(given.numbers[0]))
     else:
         _apply_text(world, given.text or {})
 

@@ -57,7 +57,8 @@ def capture(
     """
     rows = world.contacts() if contacts else np.zeros(0, CONTACT_DTYPE)
     arrays = {name: getattr(world, name).copy() for name in WIDTHS}
-    doing = classify(world, fixed) if motion else np.full(len(world), Motion.FREE, np.uint8)
+    seen = rows if contacts else None
+    doing = classify(world, fixed, seen) if motion else np.full(len(world), Motion.FREE, np.uint8)
     return Frame(step=world.steps, time=world.time, motion=doing, contacts=rows, **arrays)
 
 

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from stiction.record.inputs import Input
     from stiction.record.replay import ReplayCheck
     from stiction.snapshot import Snapshot
+    from stiction.view.server import Viewer
+    from stiction.view.show import Inline
     from stiction.world import World
 
 Array = NDArray[np.float64]
@@ -268,6 +270,41 @@ class Recording:
         rows = world.contacts()
         rows["body_a"], rows["body_b"] = slots[rows["body_a"]], slots[rows["body_b"]]
         return rows
+
+    def show(
+        self, start: float | None = None, stop: float | None = None, *, host: str = "127.0.0.1", port: int = 8080
+    ) -> Viewer:
+        """A view of this recording in the browser, with a slider for time; a notebook shows it in its cell.
+
+        It is paused at first. ``viewer.url`` is its address, ``viewer.stop()`` ends it.
+
+        Args:
+            start, stop: which part, s.
+            host: address to listen at; others than this one let other machines in.
+            port: where to listen; if it is taken, at a free port.
+
+        Raises:
+            InvalidInputError: a value is not allowed, or there is no frame in that part.
+        """
+        from stiction.view.server import Viewer
+        from stiction.view.show import playback_of
+
+        return Viewer(playback_of(self, start, stop), host=host, port=port)
+
+    def inline(self, start: float | None = None, stop: float | None = None, *, height: int = 480) -> Inline:
+        """The part as a page of its own in a cell of a notebook: it plays there from the notebook's file alone, and so
+        also in HTML that nbconvert has made, without Python and without a network. It takes some 2 MB.
+
+        Args:
+            start, stop: which part, s.
+            height: of the picture, pixels.
+
+        Raises:
+            InvalidInputError: a value is not allowed, or there is no frame in that part.
+        """
+        from stiction.view.show import Inline
+
+        return Inline(self.frames(start, stop), checks.integer("height", height, minimum=1))
 
     def frames(self, start: float | None = None, stop: float | None = None) -> Frames:
         """The frames from ``start`` to ``stop`` (s) in memory, for pages and plots.

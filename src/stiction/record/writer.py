@@ -25,9 +25,9 @@ from stiction.hashing import STATE_WIDTH, machine_class
 from stiction.journal import Step
 from stiction.record import layout
 from stiction.record.bodies import info_of, info_to_dict
-from stiction.record.classify import classify
+from stiction.record.classify import fixed_bodies
 from stiction.record.file_writer import Batch, FileWriter, Moment, RawInput
-from stiction.record.inputs import CODES, GRAVITY, KINDS, LISTED_KINDS, TEXT, VIEW, added_text
+from stiction.record.inputs import CODES, FRICTION, GRAVITY, KINDS, LISTED_KINDS, TEXT, VIEW, added_text
 from stiction.record.interrupts import interrupts_held
 from stiction.record.worker import Worker
 from stiction.scene import Simulation
@@ -39,6 +39,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+ITEM = np.dtype((np.void, 8 * STATE_WIDTH))
+"""The state of a body as one item."""
 FRAMES_PER_SECOND = 30.0
 """Of simulated time, if nobody says otherwise."""
 CHECKPOINT_STEPS = 2000
@@ -104,6 +106,9 @@ class RecordingWriter:
         self._first = self._noted = world.steps
         self._count = 0
         self._states: Array
+        self._batch_items: NDArray[Any]
+        self._bodies: Array | None = None
+        self._items: NDArray[Any]
         self._slots = np.arange(len(world), dtype=np.int64)
         self._next_slot = len(world)
         self._last: Array = self._state().copy()
@@ -205,7 +210,7 @@ class RecordingWriter:
         if step == self._noted:
             return
         k = step - self._first_in_batch
-        self._states[k] = self._state()
+        self._copy_state(k)
         if step % self.every == 0:
             self._frames_due[step] = self._moment()
         if (step - self._first) % self._checkpoint_steps == 0:
@@ -262,11 +267,25 @@ class RecordingWriter:
         self.catch_up()
         self._inputs.append(RawInput(self._noted, -1, KINDS.index(GRAVITY), value.copy(), None))
 
+    def entered_friction(self, index: int, lost: float) -> None:
+        """Forces from outside were friction."""
+        self.catch_up()
+        self._inputs.append(RawInput(self._noted, index, KINDS.index(FRICTION), np.array([lost]), None))
+
     # --- inside -------------------------------------------------------------------------------------------------------
 
     def _state(self) -> Array:
         """(n, 13) a view."""
         return self._store.column(self.world._state.POSITION, STATE_WIDTH)
+
+    def _copy_state(self, k: int) -> None:
+        """Into row k of the batch. A body's 13 numbers go as one item, which takes numpy half as long as 13 items."""
+        bodies = self._store.bodies
+        if self._bodies is not bodies or len(self._items) != len(self._slots):
+            self._bodies, stride = bodies, bodies.strides[0]
+            start = self.world._state.POSITION * bodies.itemsize
+            self._items = np.ndarray((len(self._slots),), ITEM, bodies, start, (stride,))
+        self._batch_items[k] = self._items
 
     def _note_text(self, text: dict[str, Any]) -> None:
         self._inputs.append(RawInput(self._noted, -1, KINDS.index(TEXT), None, text))
@@ -275,8 +294,9 @@ class RecordingWriter:
         """Before a step: what has changed without a word, through views of the state or in the table of materials."""
         if self._store.watched:
             is_now, was = self._state(), self._last
-            differs = (is_now.view(np.int64) != was.view(np.int64)).any(axis=1)
-            for index in np.flatnonzero(differs).tolist():
+            differs = is_now.view(np.int64) != was.view(np.int64)
+            # mostly nothing does, and that is known sooner without looking at each body
+            for index in np.flatnonzero(differs.any(axis=1)).tolist() if differs.any() else []:
                 expected, row = self._touched.get(index), is_now[index].copy()
                 if expected is None or expected.tobytes() != row.tobytes():
                     self._inputs.append(RawInput(self._noted, index, KINDS.index(VIEW), row, None))
@@ -291,7 +311,8 @@ class RecordingWriter:
         energy = tuple(world.energy())
         if not self.contacts:
             return Moment(energy, None, None)
-        return Moment(energy, world.contacts(), classify(world))
+        numbers, tags = world._raw_contacts()
+        return Moment(energy, (numbers.copy(), tags.copy()), fixed_bodies(world))
 
     def _new_batch(self, first: int) -> None:
         n = len(self._slots)
@@ -299,6 +320,7 @@ class RecordingWriter:
         self._first_in_batch = first
         self._handed_over = time.monotonic()
         self._states = self._worker.room((room, n, STATE_WIDTH))
+        self._batch_items = np.ndarray((room, n), ITEM, self._states)
         self._count = 0
         self._frames_due: dict[int, Moment] = {}
         self._inputs: list[RawInput] = []

@@ -47,25 +47,41 @@ def write_html(
         InvalidInputError: ``frames`` is empty or ``fps`` is not above 0.
         OutputError: the page cannot be written; found out before any work.
     """
-    limit = MOST_FPS if fps is None else checks.positive("fps", fps, "1/s")
-    if not len(frames):
-        raise InvalidInputError("frames must hold at least one frame, got 0.")
+    limit = _limit(frames, fps)
     target = outputs.writable("path", path)
-    from stiction.view import recording
-    from stiction.view.survey import survey
-
     tell = progress if progress is not None else _ignore
     tell(0.0)
-    seen = survey(frames)
-    picked = pick_frames(frames.times, limit)
-    page = recording.record(frames, picked, seen, lambda share: tell(0.95 * share))
-    page = _with_overlay(page, frames, seen.cell)
+    page = page_of(frames, fps=limit, progress=lambda share: tell(0.95 * share))
     try:
         target.write_text(page, encoding="utf-8")
     except OSError as error:
         raise outputs.not_writable("path", target, error) from error
     tell(1.0)
     return target
+
+
+def page_of(frames: Frames, *, fps: float | None = None, progress: Callable[[float], None] | None = None) -> str:
+    """The page that :func:`write_html` writes, as a text.
+
+    Raises:
+        InvalidInputError: ``frames`` is empty or ``fps`` is not above 0.
+    """
+    limit = _limit(frames, fps)
+    from stiction.view import recording
+    from stiction.view.survey import survey
+
+    seen = survey(frames)
+    picked = pick_frames(frames.times, limit)
+    page = recording.record(frames, picked, seen, progress if progress is not None else _ignore)
+    return _with_overlay(page, frames, seen.cell)
+
+
+def _limit(frames: Frames, fps: float | None) -> float:
+    """Pictures per second at most, of frames that can be shown."""
+    limit = MOST_FPS if fps is None else checks.positive("fps", fps, "1/s")
+    if not len(frames):
+        raise InvalidInputError("frames must hold at least one frame, got 0.")
+    return limit
 
 
 def pick_frames(times: NDArray[np.float64], fps: float) -> NDArray[np.int64]:

@@ -34,11 +34,13 @@ def open_recording(path: Path, overrides: Sequence[str] | None = None) -> Playba
     Raises:
         InvalidInputError: there is no such file, it is no recording, or values of a scene are to be changed in it.
     """
-    from stiction.record.hdf5 import load_frames
+    from stiction.record.recording import Recording
+    from stiction.view.show import playback_of
 
     if overrides:
         raise InvalidInputError(f"--set must be left out for a recording, got {overrides[0]!r}.")
-    return Playback(load_frames(path))
+    with Recording.open(path) as recording:
+        return playback_of(recording)
 
 
 def open_scene(name_or_path: str, overrides: Sequence[str] = ()) -> LiveSession:

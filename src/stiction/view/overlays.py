@@ -39,6 +39,7 @@ LAYERS = {
 """What can be shown, and its name for the reader."""
 SHOWN = ("contacts", "normals", "friction", "cone")
 """What is shown at first."""
+ASLEEP = style.surface(style.ASLEEP)
 CONE_SEGMENTS = 48
 IMPULSE_LENGTH = 1.2
 """Length of the arrow of the largest normal impulse, as a share of the typical size of the moving bodies."""
@@ -49,7 +50,7 @@ FADE = 0.97
 def body_colors(frame: Frame, asleep: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Colours (n, 3) for viser by what the bodies are doing, those that sleep apart."""
     colors: NDArray[np.uint8] = PALETTE[frame.motion]
-    colors[asleep] = style.surface(style.ASLEEP)
+    colors[asleep] = ASLEEP
     return colors
 
 

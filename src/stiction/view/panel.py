@@ -190,7 +190,7 @@ class Panel:
                     _line("dissipated", style.SERIES[1]),
                 ),
                 scales={"x": {"time": False}},
-                axes=(axes, {"label": "energy [J]", "size": 52, "labelSize": 16}),  # type: ignore[arg-type]  # TypedDicts as plain ones
+                axes=(axes, {"label": "energy [J]", "size": 68, "labelSize": 16}),  # type: ignore[arg-type]  # TypedDicts as plain ones
                 legend={"live": False},
                 height=CHART_HEIGHT + 30,
                 padding=(10, 16, 0, 0),
@@ -200,7 +200,7 @@ class Panel:
                 (x, x),
                 ({"label": "t"}, _line("friction", style.FRICTION)),
                 scales={"x": {"time": False}},
-                axes=(axes, {"label": "friction [N]", "size": 52, "labelSize": 16}),  # type: ignore[arg-type]  # see above
+                axes=(axes, {"label": "friction [N]", "size": 68, "labelSize": 16}),  # type: ignore[arg-type]  # see above
                 legend={"show": False},
                 height=CHART_HEIGHT,
                 padding=(10, 16, 0, 0),

@@ -20,16 +20,20 @@ class Playback(Session):
 
     Args:
         frames: the recording.
+        energies: (f, 3) kinetic, potential and dissipated, J, for the chart; the kinetic one follows from the frames
+            if left out, and the others are not shown.
 
     Raises:
         InvalidInputError: it holds no frame.
     """
 
-    def __init__(self, frames: Frames) -> None:
+    def __init__(self, frames: Frames, energies: Array | None = None) -> None:
         if not len(frames):
             raise InvalidInputError("frames must hold at least one frame, got 0.")
         super().__init__(frames.title, frames.bodies)
-        self._frames = frames
+        self._frames, self._energies = frames, energies
+        if frames.meta.get("contacts", True) is False:
+            self.note = "recorded without contacts: what bodies do is not known (record with contacts to see it)"
         self._time = float(frames.times[0])
         self._mass = np.array([0.0 if body.fixed else body.mass for body in frames.bodies])
 
@@ -55,8 +59,8 @@ class Playback(Session):
         late = self._time + 1e-3 * self._frames.dt
         return max(0, int(np.searchsorted(self._frames.times, late, side="right")) - 1)
 
-    def tick(self, elapsed: float) -> bool:
-        """Go on in time; at the end the play stops."""
+    def tick(self, elapsed: float, room: float | None = None) -> bool:
+        """Go on in time; at the end the play stops. Nothing has to be worked out, so ``room`` does not matter."""
         if not self.playing:
             return False
         before = self.index
@@ -94,7 +98,10 @@ class Playback(Session):
             speed = np.linalg.norm(frame.velocities, axis=1)
             kinetic = float(0.5 * self._mass @ speed**2)
             friction = self.friction_force(frame, self._frames.dt)
-            self.chart.append(Sample(frame.time, kinetic, np.nan, np.nan, friction))
+            potential = dissipated = np.nan
+            if self._energies is not None:
+                kinetic, potential, dissipated = self._energies[self.index].tolist()
+            self.chart.append(Sample(frame.time, kinetic, potential, dissipated, friction))
         return frame
 
     def survey_frames(self) -> Frames:

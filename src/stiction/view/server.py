@@ -33,6 +33,8 @@ HOST = "127.0.0.1"
 PORT = 8080
 """The usual port; another one that is free where it is taken."""
 FRAMES_PER_SECOND = 30.0
+SMOOTH = 0.2
+"""Share of the newest frame in what a frame is expected to take: what is left of its time is there for steps."""
 REFRESHES = 5.0
 """How often a second the panel is brought up to date."""
 ROOM = 6.0
@@ -186,6 +188,7 @@ class Viewer:
         period = 1.0 / FRAMES_PER_SECOND
         last = time.perf_counter()
         refreshed, then, simulated = 0.0, last, 0.0
+        showing = 0.0  # s that a frame takes, about
         while not self._stopped.is_set():
             now = time.perf_counter()
             elapsed, last = now - last, now
@@ -195,9 +198,11 @@ class Viewer:
                 with self.lock:
                     before = self._now()
                     self._act(letters)
-                    moved = self.clients > 0 and self._tick(min(elapsed, 2 * period))
+                    moved = self.clients > 0 and self._tick(min(elapsed, 2 * period), period - showing)
                     if moved or letters or self._dirty or self._stepped_elsewhere():
+                        began = time.perf_counter()
                         self._guarded(self._publish)
+                        showing += SMOOTH * (time.perf_counter() - began - showing)
                     simulated += max(0.0, self._now() - before)
                     if now - refreshed > 1.0 / REFRESHES:
                         self._note = _pace(simulated, now - then, self.session)
@@ -213,8 +218,8 @@ class Viewer:
         session = self.session
         return session.world.time if isinstance(session, LiveSession) else 0.0
 
-    def _tick(self, elapsed: float) -> bool:
-        return bool(self._guarded(lambda: self.session.tick(elapsed)))
+    def _tick(self, elapsed: float, room: float) -> bool:
+        return bool(self._guarded(lambda: self.session.tick(elapsed, room)))
 
     def _act(self, letters: list[Any]) -> None:
         for letter in letters:
@@ -247,7 +252,7 @@ class Viewer:
         self.sent += 1
 
     def _refresh(self) -> None:
-        words = [self._note] if self._note else []
+        words = [note for note in (self.session.note, self._note) if note]
         if self._overlays.hidden:
             words.append(f"the {self._overlays.hidden} contact points with the least load are not shown")
         self._panel.refresh(self._frame.time, len(self._frame.contacts), "; ".join(words))

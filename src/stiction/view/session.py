@@ -56,6 +56,8 @@ class Session:
     """
 
     live = False
+    note = ""
+    """What the reader should know of what is shown, or the empty text."""
 
     def __init__(self, title: str, bodies: list[BodyInfo]) -> None:
         self.title = title
@@ -76,8 +78,13 @@ class Session:
     def speed(self, value: float) -> None:
         self._speed = checks.positive("speed", value)
 
-    def tick(self, elapsed: float) -> bool:
-        """Let ``elapsed`` seconds of wall time go by; whether anything is different now."""
+    def tick(self, elapsed: float, room: float | None = None) -> bool:
+        """Let ``elapsed`` seconds of wall time go by; whether anything is different now.
+
+        Args:
+            elapsed: s since the last call.
+            room: s of wall time that the work for it may take; as long as it was if left out.
+        """
         raise NotImplementedError
 
     def step(self) -> None:
@@ -185,11 +192,13 @@ class LiveSession(Session):
 
     # --- time ---------------------------------------------------------------------------------------------------------
 
-    def tick(self, elapsed: float) -> bool:
-        """Take the steps that are due after ``elapsed`` seconds of wall time, but no more than there is time for.
+    def tick(self, elapsed: float, room: float | None = None) -> bool:
+        """Take the steps that are due after ``elapsed`` seconds of wall time, but no more than there is ``room`` for.
 
-        A world that is slower than real time falls behind instead of holding up whoever looks at it.
+        A world that is slower than real time falls behind instead of holding up whoever looks at it; one step at least
+        is taken if one is due.
         """
+        room = max(elapsed if room is None else room, 1e-3)
         if not self.playing:
             self._due = 0.0
             return False
@@ -199,8 +208,8 @@ class LiveSession(Session):
         taken = 0
         while self._due >= 1.0 and self.playing:
             called = self._clock()
-            left = max(elapsed, 1e-3) - (called - began)
-            if taken and left <= 0.0:
+            left = room - (called - began)
+            if taken and left < self._cost:
                 break
             # a hand pulls anew in every step
             steps = 1 if self.grab is not None else min(int(self._due), self._affordable(left))
