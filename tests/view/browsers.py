@@ -19,6 +19,8 @@ ARGUMENTS = (
     "--headless=new --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader --disable-quic --no-first-run "
     "--disable-background-networking --disable-component-update --disable-sync"
 ).split()
+PATIENCE = 90
+"""s at least until a page is given up: on a busy machine one picture may take seconds."""
 CANVAS = "canvas[data-engine]"
 
 
@@ -46,6 +48,7 @@ class Tab:
 
     def __init__(self, browser: Any, width: int, height: int) -> None:
         self.page = browser.new_page(viewport={"width": width, "height": height})
+        self.page.set_default_timeout(PATIENCE * 1000.0)
         self.errors: list[str] = []
         self.requests: list[str] = []
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
@@ -74,9 +77,9 @@ class Tab:
         area = self.page.locator(CANVAS).bounding_box()
         return np.asarray(Image.open(io.BytesIO(self.page.screenshot(clip=area))).convert("RGB"))
 
-    def wait_for_picture(self, expected: Any, tries: int = 60) -> NDArray[np.uint8]:
+    def wait_for_picture(self, expected: Any) -> NDArray[np.uint8]:
         """The first picture for which ``expected(picture)`` holds; drawing without a graphics card takes its time."""
-        for _ in range(tries):
+        for _ in range(5 * PATIENCE):
             picture = self.picture()
             if expected(picture):
                 return picture

@@ -7,7 +7,6 @@ import colorsys
 import io
 import math
 import re
-import shutil
 import threading
 import time
 from collections.abc import Callable
@@ -24,17 +23,12 @@ from stiction.record.frames import CONTACT_DTYPE, BodyInfo, Frames
 from stiction.shapes import Box, Plane, Sphere
 from stiction.view import html, recording, style
 
+from .browsers import ARGUMENTS, CHROMIUM
+
 DT = 1 / 60
 STEPS = 90
 SLOPE = math.radians(30.0)
 TITLE = 'Three lanes & a ball <on a "ramp">'
-CHROMIUM = next(
-    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
-)
-CHROMIUM_ARGUMENTS = (
-    "--no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader --disable-quic --no-first-run "
-    "--disable-background-networking --disable-component-update --disable-sync"
-).split()
 
 
 def make_ramp(*, steps: int = STEPS) -> Frames:
@@ -368,7 +362,7 @@ def test_page_plays_without_a_network(page: Path) -> None:
             route.abort()
 
     with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGUMENTS)
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         try:
             tab = browser.new_page(viewport={"width": 560, "height": 360})
             tab.on("pageerror", lambda error: errors.append(str(error)))

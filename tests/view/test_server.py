@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import secrets
-import shutil
 import socket
 import time
 import urllib.request
@@ -20,15 +19,9 @@ from stiction.errors import InvalidInputError
 from stiction.view.server import Viewer, free_port
 from stiction.view.session import LiveSession
 
-websockets = pytest.importorskip("websockets.sync.client", reason="viser brings it")
+from .browsers import ARGUMENTS, CHROMIUM
 
-CHROMIUM = next(
-    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
-)
-CHROMIUM_ARGUMENTS = (
-    "--headless=new --no-sandbox --use-angle=swiftshader --enable-unsafe-swiftshader --disable-quic --no-first-run "
-    "--disable-background-networking --disable-component-update --disable-sync"
-).split()
+websockets = pytest.importorskip("websockets.sync.client", reason="viser brings it")
 
 
 def until(condition: Callable[[], bool], seconds: float = 30.0) -> None:
@@ -222,7 +215,7 @@ def test_buttons_and_the_mouse_reach_the_world_from_a_browser(viewer: Viewer, tm
     playwright = pytest.importorskip("playwright.sync_api", reason="drives the browser")
     world = viewer.session.world  # type: ignore[attr-defined]  # a live session
     with playwright.sync_playwright() as play:
-        browser = play.chromium.launch(executable_path=CHROMIUM, args=CHROMIUM_ARGUMENTS)
+        browser = play.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS)
         page = browser.new_page(viewport={"width": 1000, "height": 640})
         page.goto(viewer.url)
         page.wait_for_selector("canvas")

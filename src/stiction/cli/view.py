@@ -44,7 +44,8 @@ def view(
     with Viewer(session, host=host, port=port) as viewer:
         if viewer.port != port:
             say(f"port {port} is taken.")
-        say(f"{session.title}: {viewer.url} (Ctrl-C ends it)")
+        say(f"{session.title} (Ctrl-C ends it):")
+        print(viewer.url, flush=True)
         if session.playing:
             say("Time runs while a browser is connected.")
         viewer.wait()
