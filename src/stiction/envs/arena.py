@@ -18,8 +18,8 @@ Observations = NDArray[np.float32]
 class Outcome(NamedTuple):
     """What a step came to, (worlds, m) and (worlds,) each.
 
-    A world whose state stopped being finite has ``failed``: its episode is truncated, and what is seen of it is its last
-    finite state.
+    A world whose state stopped being finite has ``failed``: its episode is truncated, and what is seen of it is its
+    last finite state.
     """
 
     observations: Observations
@@ -67,7 +67,8 @@ class Arena:
         def draw(low: float | Array, high: float | Array) -> Array:
             a, b = np.broadcast_arrays(np.asarray(low, np.float64), np.asarray(high, np.float64))
             drawn: Array = np.stack([stream.random(a.shape) for stream in streams])
-            return a + (b - a) * drawn
+            scaled: Array = a + (b - a) * drawn
+            return scaled
 
         if len(chosen):
             self.task.begin(self.batch, chosen, draw)

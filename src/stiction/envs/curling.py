@@ -14,7 +14,7 @@ from stiction.world import World
 
 STONE = 1
 RADIUS, HEIGHT, MASS = 0.145, 0.114, 19.1
-"""m, m, kg: within the rules of the World Curling Federation (circumference 0.914 m, height 0.1143 m, 19.96 kg at most)."""
+"""m, m, kg. The World Curling Federation allows 0.914 m around, 0.114 m of height at least, 19.96 kg."""
 SPEED, SPEED_RANGE = 2.2, 0.4
 ANGLE, SPIN = 0.08, 6.0
 LEAST, MOST = 0.007, 0.011
@@ -33,11 +33,11 @@ FAR, WIDE = 34.0, 2.4
 
 
 class Curling(Task):
-    """A stone (19.1 kg) is let go at the hog line, slides and turns, and is to stop on a target in the house, 28 m away.
+    """A stone (19.1 kg) let go at the hog line slides and turns, and is to stop on a target in the house, 28 m away.
 
-    The dynamic coefficient of the ice is drawn from 0.007 to 0.011 for every episode and not seen, the static one is 1.1
-    times as large; sweeping takes up to a quarter away. Friction is Coulomb's: spin uses up a part of it, so that a stone
-    that turns goes farther, and curls only a little.
+    The dynamic coefficient of the ice is drawn from 0.007 to 0.011 for every episode and not seen, the static one is
+    1.1 times as large; sweeping takes up to a quarter away. Friction is Coulomb's: spin uses up a part of it, so that a
+    stone that turns goes farther, and curls only a little.
 
     Observation (6): from the stone to the target x, y (m), velocity x, y (m/s), spin (rad/s), 1 before the stone is let
     go and 0 after.

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction.core.vec import Quat, rotation
 from stiction.envs.arena import Arena
 from stiction.shapes import Plane
 from stiction.view import style
@@ -58,7 +58,7 @@ class Eyes:
         due = self._shown + task.drives * task.hold * self._arena.batch.dt
         now = time.monotonic()
         if self._shown and due > now and self.viewer.clients:  # nobody waits for what nobody sees
-            threading.Event().wait(due - now)
+            time.sleep(due - now)
         self._shown = time.monotonic()
 
     @staticmethod
@@ -81,8 +81,8 @@ class Eyes:
         for patch in list(axes.patches):
             patch.remove()
         self._draw(axes, world)
-        canvas.draw()
-        pixels: NDArray[np.uint8] = np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        canvas.draw()  # type: ignore[no-untyped-call]  # matplotlib has no types here
+        pixels: NDArray[np.uint8] = np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]  # the same
         return pixels
 
     def close(self) -> None:
@@ -128,11 +128,12 @@ class Eyes:
         ):
             if mesh is None:
                 continue
-            places = origin + mesh.vertices @ _rotation(q).T
+            turned = _rotation(q)
+            places = origin + mesh.vertices @ turned.T
             color = next(colors) if body.mobility == "dynamic" else style.ASLEEP
             axes.add_patch(Polygon(_outline(places[:, task.view.axes]), fc=color, ec=style.INK, lw=1.0))
             if body.mobility == "dynamic" and task.view.axes == (0, 1):  # a line that shows that it turns
-                reach = 0.5 * np.ptp(mesh.vertices[:, 0]) * _rotation(q)[:, 0]
+                reach = 0.5 * np.ptp(mesh.vertices[:, 0]) * turned[:, 0]
                 axes.add_patch(Polygon([origin[:2], (origin + reach)[:2]], closed=False, ec=style.INK, lw=1.5))
 
 
@@ -142,14 +143,7 @@ def _leave_alone(steps: int) -> None:
 
 def _rotation(q: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rotation matrix (3, 3) of a unit quaternion (w, x, y, z)."""
-    w, x, y, z = q
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    return np.array(rotation(Quat(*q.tolist()))).reshape(3, 3)
 
 
 def _outline(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,8 +10,8 @@ NAMESPACE = "stiction"
 def register() -> None:
     """Make ``stiction/PuckPush-v0`` and the others known to ``gymnasium.make`` and ``make_vec``.
 
-    Where stiction is installed, Gymnasium calls this by itself (entry point ``gymnasium.envs``). Calling it again does
-    nothing.
+    Importing :mod:`stiction.envs` does it, where Gymnasium is installed; ``gymnasium.make`` imports it by itself if it
+    is asked for ``"stiction.envs:stiction/PuckPush-v0"``. Calling it again does nothing.
     """
     from gymnasium.envs.registration import register as enter
     from gymnasium.envs.registration import registry

@@ -62,7 +62,7 @@ class StictionEnv(gymnasium.Env[Observations, NDArray[np.float32]]):
             bool(outcome.truncated[0]), info,
         )  # fmt: skip
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]  # gymnasium's RenderFrame is a type variable
+    def render(self) -> NDArray[np.uint8] | None:
         """A picture (height, width, 3), or None where the viewer shows the world."""
         return self.eyes.picture(0)
 

@@ -65,8 +65,8 @@ class Mark(NamedTuple):
 class Task(ABC):
     """A task on many copies of a world at once. One object serves one batch, and may keep arrays with a row a world.
 
-    All that it does to a world must depend on this world alone, by elementwise operations, so that a world goes the same
-    way, to the last bit, whatever the others do and however many they are.
+    All that it does to a world must depend on this world alone, by elementwise operations, so that a world goes the
+    same way, to the last bit, whatever the others do and however many they are.
     """
 
     name: ClassVar[str]

@@ -68,7 +68,7 @@ class StictionVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any
         self._ended: Mask = np.ones(self.num_envs, np.bool_)
         self._begun = False
 
-    def reset(  # type: ignore[override]  # a list of seeds is allowed, as Gymnasium's own vector envs have it
+    def reset(
         self, *, seed: int | Sequence[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observations, dict[str, Any]]:
         """Begin new episodes.
@@ -124,7 +124,7 @@ class StictionVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any
             raise ResetNeeded(
                 f"reset must be called before step: world {int(np.flatnonzero(waiting)[0])} waits for it."
             )
-        outcome = self.arena.step(np.where(waiting[:, None], 0.0, actions) if waiting.any() else actions)
+        outcome = self.arena.step(actions)
         ended = (outcome.terminated | outcome.truncated) & ~waiting
         infos: dict[str, Any] = {}
         told = ~waiting
@@ -132,7 +132,8 @@ class StictionVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any
             if ended.any():
                 self._tell_last(infos, outcome, ended)
             told = told & ~ended
-            again = ended
+            again = ended | waiting
+            self._ended = np.zeros(self.num_envs, np.bool_)
         else:
             again = waiting
             self._ended = ended
@@ -155,7 +156,7 @@ class StictionVectorEnv(VectorEnv[Observations, NDArray[np.float32], NDArray[Any
         infos["final_obs"], infos["_final_obs"] = last, ended.copy()
         infos["final_info"], infos["_final_info"] = _told(outcome, ended), ended.copy()
 
-    def render(self) -> tuple[NDArray[np.uint8], ...] | None:  # type: ignore[override]  # RenderFrame is a type variable
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """A picture (height, width, 3) of each world, or None where the viewer shows the first one."""
         if self.render_mode != "rgb_array":
             return None
