@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from stiction.envs.arena import Arena, Observations
 from stiction.envs.cross_entropy import CrossEntropy, Scores, play, train
 from stiction.envs.policies import PUSH_PARAMETERS, push_policy
-from stiction.envs.puck_push import LEAST, MOST
-from stiction.plot.canvas import dress, save, sheet
+from stiction.envs.puck_push import LEAST, MOST, PuckPush
+from stiction.plot.canvas import dress, legend, save, sheet
 from stiction.view import style
 
 PAGE = Path(__file__).with_name("learning.md")
 PICTURE = Path(__file__).with_name("_static") / "learning-curve.png"
 CANDIDATES, EACH, ELITE, GENERATIONS = 32, 16, 8, 20
+FLOORS = ((0.08, 0.12), (0.12, 0.2), (0.2, 0.35), (0.35, 0.5))
 SPINS = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
 
@@ -36,9 +37,15 @@ def main() -> None:
     chance = play(arena, at_random, fresh)
     search = CrossEntropy(np.zeros(PUSH_PARAMETERS), 1.0, candidates=CANDIDATES, elite=ELITE, seed=1)
     history = train(arena, push_policy, search, GENERATIONS, tell=_progress)
-    learned = play(arena, lambda seen: push_policy(np.tile(search.mean, (worlds, 1)), seen), fresh)
+    mean = np.tile(search.mean, (worlds, 1))
+
+    def as_learned(seen: Observations) -> NDArray[np.float64]:
+        return push_policy(mean, seen)
+
+    learned = play(arena, as_learned, fresh)
+    elsewhere = {limits: play(Arena(PuckPush(limits), worlds), as_learned, fresh) for limits in FLOORS}
     _draw(history, chance, learned)
-    replace(PAGE, "training", _told(history, chance, learned))
+    replace(PAGE, "training", _told(history, chance, learned, elsewhere))
     replace(PAGE, "spin", _spins())
 
 
@@ -67,11 +74,13 @@ def _draw(history: list[Scores], chance: Scores, learned: Scores) -> None:
     left.set_ylabel("sum of rewards of an episode")
     right.set_ylabel("episodes that arrive, %")
     right.set_ylim(-3.0, 103.0)
-    left.legend(frameon=False, loc="lower right", fontsize=10, labelcolor=style.INK)
+    legend(figure, left.get_legend_handles_labels()[0])
     save(figure, PICTURE)
 
 
-def _told(history: list[Scores], chance: Scores, learned: Scores) -> Iterable[str]:
+def _told(
+    history: list[Scores], chance: Scores, learned: Scores, elsewhere: Mapping[tuple[float, float], Scores]
+) -> Iterable[str]:
     yield f"![Sums of rewards and share of arrivals over {len(history)} generations](_static/{PICTURE.name})"
     yield ""
     yield "| policy | mean sum of rewards | arrive |"
@@ -79,12 +88,13 @@ def _told(history: list[Scores], chance: Scores, learned: Scores) -> Iterable[st
     for name, scores in (
         ("actions at random", chance), ("first generation", history[0]), ("last generation", history[-1]),
         ("what was learned, on new places", learned),
+        *((f"the same, all coefficients from {low} to {high}", scores) for (low, high), scores in elsewhere.items()),
     ):  # fmt: skip
         yield f"| {name} | {scores.returns.mean():.2f} | {100.0 * scores.success.mean():.0f} % |"
     yield ""
     yield (
-        f"{len(history)} generations of {CANDIDATES} candidates, who all play on the same {EACH} floors, new ones in every "
-        f"generation. Coefficients are from {LEAST} to {MOST}."
+        f"{len(history)} generations of {CANDIDATES} candidates, who all play on the same {EACH} floors, new ones in "
+        f"every generation. Coefficients are from {LEAST} to {MOST}."
     )
 
 
@@ -103,7 +113,7 @@ def _spins() -> Iterable[str]:
     yield "| spin after 1/4 s, rad/s | stops at x, m | to the left, m |"
     yield "| --- | --- | --- |"
     for spin, (x, y, _) in zip(spins, arena.batch.positions[:, 1], strict=True):
-        yield f"| {spin + 0.0:+.2f} | {x:.2f} | {round(float(y), 3) + 0.0:+.3f} |"
+        yield f"| {round(float(spin), 2) + 0.0:+.2f} | {x:.2f} | {round(float(y), 3) + 0.0:+.3f} |"
 
 
 if __name__ == "__main__":

@@ -158,7 +158,7 @@ def test_the_live_view_shows_the_first_world() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ({"task": "PuckPull"}, "task must be one of .* did you mean 'PuckPush'"),
+        ({"task": "PuckPull"}, "task must be one of .*did you mean 'PuckPush'"),
         ({"task": 3}, "task must be a Task or one of"),
         ({"num_envs": 0}, "num_envs must be a whole number, 1 or more"),
         ({"autoreset_mode": "Never"}, "autoreset_mode must be one of NextStep, SameStep, Disabled"),

@@ -5,9 +5,12 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from stiction import checks
 from stiction.batch import Batch
 from stiction.envs.task import Array, Chosen, Draw, Mark, Task, Verdict, View
+from stiction.errors import InvalidInputError
 from stiction.materials import MaterialTable
 from stiction.shapes import Cylinder, Plane, Sphere
 from stiction.world import World
@@ -42,6 +45,12 @@ class PuckPush(Task):
     Reward: by how many m the puck came nearer to the target, minus 0.002 a step, and 1 for arriving.
 
     Ends: the puck lies within 4 cm of the target, slower than 5 cm/s (success); after 120 steps (8 s) truncated.
+
+    Args:
+        friction: other limits from and to which the dynamic coefficients are drawn.
+
+    Raises:
+        InvalidInputError: they are no two numbers, 0 or more, in their order.
     """
 
     name: ClassVar[str] = "PuckPush"
@@ -50,6 +59,12 @@ class PuckPush(Task):
     actions: ClassVar[int] = 2
     limits: ClassVar[tuple[float, ...]] = (5.0, 5.0, 5.0, 5.0, 10.0, 10.0, 5.0, 5.0)
     view: ClassVar[View] = View((0, 1), (-0.3, 1.4), (-0.6, 0.6))
+
+    def __init__(self, friction: ArrayLike = (LEAST, MOST)) -> None:
+        least, most = checks.vector("friction", friction, 2).tolist()
+        if not 0.0 <= least <= most:
+            raise InvalidInputError(f"friction must be two numbers, 0 or more, in their order, got {friction!r}.")
+        self.friction = least, most
 
     def build(self) -> World:
         """A floor, the puck, the pusher."""
@@ -73,7 +88,7 @@ class PuckPush(Task):
 
     def begin(self, batch: Batch, chosen: Chosen, draw: Draw) -> None:
         """Draw coefficients, target, and where the puck lies across."""
-        self.coefficients[chosen] = draw(np.full(ALONG * ACROSS, LEAST), np.full(ALONG * ACROSS, MOST))
+        self.coefficients[chosen] = draw(*(np.full(ALONG * ACROSS, limit) for limit in self.friction))
         self.target[chosen] = draw(np.array([0.7, -0.35]), np.array([1.2, 0.35]))
         batch.positions[chosen, PUCK, 1] = draw(-0.1, 0.1)
         self._under[chosen] = -1
@@ -115,7 +130,7 @@ class PuckPush(Task):
             if column == 0:  # it begins where the picture does
                 center = 0.05, center[1]
             size = (0.7 if column == 0 else PATCH), PATCH
-            shade = 0.97 - 0.4 * (coefficient - LEAST) / (MOST - LEAST)
+            shade = 0.97 - 0.4 * min(max((coefficient - LEAST) / (MOST - LEAST), 0.0), 1.0)
             found.append(Mark(center, 0.0, f"{shade:.3f}", size))
         x, y = self.target[world].tolist()
         return [*found, Mark((x, y), NEAR + RADIUS, "#c2185b"), Mark((x, y), NEAR, "#ffffff")]

@@ -16,6 +16,9 @@ STRONGEST, TURN = 4.0, 1.5
 """m/s^2 and rad/s of the tray."""
 STEEPEST = 0.35
 """rad."""
+HEAVY = 1e5
+"""kg of the tray. It is pushed by forces and is too heavy for the cups to matter. A kinematic one would keep its
+velocity through each step: it would accelerate in jerks, and cups would slip a little in each of them."""
 LEAST, MOST = 0.12, 0.4
 """Range of the dynamic coefficient between tray and cup."""
 STATIC = 1.2
@@ -63,7 +66,7 @@ class TrayBalance(Task):
             for other in names:
                 table.set_pair(name, other, static=0.3, dynamic=0.3)
         world = World(materials=table, sleeping=False)
-        world.add(Box((LENGTH, 0.3, THICK)), kinematic=True, position=(0, 0, UP), material="tray", name="tray")
+        world.add(Box((LENGTH, 0.3, THICK)), mass=HEAVY, position=(0, 0, UP), material="tray", name="tray")
         for name, x, radius, height in zip(names, PLACES, RADII, HEIGHTS, strict=True):
             place = (x, 0, UP + (THICK + height) / 2)
             world.add(Cylinder(radius, height), mass=0.2, position=place, material=name, name=name)
@@ -73,6 +76,7 @@ class TrayBalance(Task):
         """Goals, tilts and distances."""
         self.goal = np.zeros(len(batch))
         self.tilt = np.zeros(len(batch))
+        self.speed = np.zeros(len(batch))
         self.distance = np.zeros(len(batch))
 
     def begin(self, batch: Batch, chosen: Chosen, draw: Draw) -> None:
@@ -82,14 +86,22 @@ class TrayBalance(Task):
             batch.set_pair("tray", f"cup {k}", static=STATIC * drawn[:, k], dynamic=drawn[:, k], worlds=chosen)
         self.goal[chosen] = draw(0.8, 1.8)
         self.tilt[chosen] = 0.0
+        self.speed[chosen] = 0.0
         self.distance[chosen] = np.abs(self.goal - batch.positions[:, TRAY, 0])[chosen]
 
     def drive(self, batch: Batch, actions: Array) -> None:
         """Accelerate and turn the tray for one step of the world."""
         dt = batch.dt
-        batch.velocities[:, TRAY, 0] += STRONGEST * dt * actions[:, 0]
+        a = STRONGEST * actions[:, 0]
         wanted = np.clip(self.tilt + TURN * dt * actions[:, 1], -STEEPEST, STEEPEST)
+        # what it should do is written anew each time, so that the little that the cups push does not add up
+        batch.velocities[:, TRAY] = 0.0
+        batch.velocities[:, TRAY, 0] = self.speed
+        batch.angular_velocities[:, TRAY] = 0.0
         batch.angular_velocities[:, TRAY, 1] = (wanted - self.tilt) / dt
+        batch.forces[:, TRAY] = -HEAVY * batch.gravity
+        batch.forces[:, TRAY, 0] += HEAVY * a
+        self.speed = self.speed + a * dt
         self.tilt = wanted
 
     def _on_tray(self, batch: Batch) -> tuple[Array, Array, Array]:
