@@ -189,6 +189,15 @@ def test_bad_steps_and_resets_change_nothing() -> None:
     assert env.arena.batch.hashes() == before
 
 
+def test_without_gymnasium_one_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(InvalidInputError, match=r'StictionEnv needs Gymnasium: pip install "stiction\[gym\]"'):
+        _ = envs.StictionEnv
+    assert envs.PuckPush().name == "PuckPush"
+    with pytest.raises(AttributeError, match="no attribute 'Puck'"):
+        _ = envs.Puck
+
+
 def test_importing_the_environments_loads_no_compiler() -> None:
     code = "import sys, stiction.envs; print('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"

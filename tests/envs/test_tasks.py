@@ -104,6 +104,32 @@ def test_a_stone_goes_as_far_as_the_ice_lets_it_and_sweeping_carries_it() -> Non
     np.testing.assert_allclose(arena.batch.positions[:, curling.STONE, 0], expected, rtol=2e-3)
 
 
+def test_who_reads_the_ice_and_sweeps_arrives_from_observations_alone() -> None:
+    arena = an_arena("Curling", 40)
+    seen = arena.observe()
+    # full sweeping makes the roughest ice as fast as the fastest one is at the least
+    slowest = curling.MOST * (1.0 - curling.SWEEP)
+    speed = np.sqrt(2 * G * slowest * np.hypot(seen[:, 0], seen[:, 1]))
+    actions = np.zeros((40, 4))
+    actions[:, 0] = (speed - curling.SPEED) / curling.SPEED_RANGE
+    actions[:, 1] = np.arctan2(seen[:, 1], seen[:, 0]) / curling.ANGLE
+    success, over = np.zeros(40, np.bool_), np.zeros(40, np.bool_)
+    dt = arena.batch.dt * arena.task.hold
+    ice, before = np.full(40, curling.MOST), speed
+    while not over.all():
+        outcome = arena.step(actions)
+        seen = outcome.observations.astype(np.float64)
+        v, ahead = np.hypot(seen[:, 2], seen[:, 3]), np.maximum(seen[:, 0], 1e-3)
+        if not over.any():
+            ice = (before - v) / (dt * G * (1.0 - curling.SWEEP * np.maximum(actions[:, 3], 0.0)))
+        wanted = v**2 / (2 * G * ahead)
+        actions[:, 3] = np.clip((1.0 - wanted / ice) / curling.SWEEP, 0.0, 1.0)
+        before = v
+        success |= outcome.success & ~over
+        over |= outcome.terminated | outcome.truncated
+    assert success.mean() > 0.9
+
+
 def test_spin_carries_a_stone_farther_and_mirrors() -> None:
     arena = an_arena("Curling", 3)
     task = arena.task
