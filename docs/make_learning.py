@@ -19,7 +19,7 @@ from stiction.view import style
 
 PAGE = Path(__file__).with_name("learning.md")
 PICTURE = Path(__file__).with_name("_static") / "learning-curve.png"
-CANDIDATES, EACH, ELITE, GENERATIONS = 32, 16, 8, 20
+CANDIDATES, EACH, ELITE, GENERATIONS = 128, 4, 16, 20
 FLOORS = ((0.08, 0.12), (0.12, 0.2), (0.2, 0.35), (0.35, 0.5))
 SPINS = (-1.0, -0.5, 0.0, 0.5, 1.0)
 
