@@ -18,7 +18,7 @@ PACKAGE = Path(stiction.__file__).parent
 CORE = PACKAGE / "core"
 MAX_LINES = 600
 
-HEAVY = {"h5py", "matplotlib", "optuna", "pyarrow", "pydantic", "ray", "rich", "scipy", "typer", "viser"}
+HEAVY = {"gymnasium", "h5py", "matplotlib", "optuna", "pyarrow", "pydantic", "ray", "rich", "scipy", "typer", "viser"}
 """Packages that `import stiction` must leave alone: most programs use none of them."""
 
 CORE_MAY_IMPORT = {"llvmlite", "numba", "numpy", *sys.stdlib_module_names}
