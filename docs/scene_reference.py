@@ -105,7 +105,8 @@ def _kind(entry: dict[str, Any]) -> str:
         return ", ".join(f'`"{word}"`' for word in entry["enum"])
     if entry.get("type") == "array":
         if "prefixItems" in entry:
-            return f"{len(entry['prefixItems'])} {PLAIN[entry['prefixItems'][0]['type']]}s"
+            first, count = entry["prefixItems"][0], len(entry["prefixItems"])
+            return f"{count} times {_kind(first)}" if first["type"] == "array" else f"{count} {PLAIN[first['type']]}s"
         items = entry.get("items", {})
         return (
             "list of tables"

@@ -327,10 +327,12 @@ class DominoWave(Case):
     tolerance_reason = (
         "a target: dt is the only other time, and h sqrt(g / l) is 0.3 % for the smaller ones in soft; but box hits "
         "box many times under way, and hits that come a little earlier or later do not stay a little apart, which "
-        "is why several rows are pushed over, each with another speed, and the mean of their waves is taken"
+        "is why in soft three rows are pushed over, each with another speed, and the mean of their waves is taken"
     )
     COUNT: ClassVar = 14
-    PUSHES: ClassVar = (1.1, 1.2, 1.3)
+    PUSHES: ClassVar = {"soft": (1.1, 1.2, 1.3)}
+    """Of each row, in sqrt(g / l); the other solvers take a minute for three rows, and have one."""
+    PUSH: ClassVar = (1.2,)
     SMALL: ClassVar = 4.0
     LARGE: ClassVar = 16.0
 
@@ -343,6 +345,7 @@ class DominoWave(Case):
 
     def _speed(self, solver: str, dt: float, length: float) -> float:
         """Mean over the rows, each from its fifth domino on, in sqrt(g l)."""
+        pushes = self.PUSHES.get(solver, self.PUSH)
         world = make_world(solver, dt, static=0.6, dynamic=0.5)
         world.add(st.Plane(), static=True)
         thick, pitch = 0.12 * length, 0.55 * length
@@ -351,9 +354,9 @@ class DominoWave(Case):
                 world.add(st.Box((thick, 0.5 * length, length)), position=(pitch * k, length * i, 0.5 * length))
                 for k in range(self.COUNT)
             ]
-            for i in range(len(self.PUSHES))
+            for i in range(len(pushes))
         ]
-        for row, push in zip(rows, self.PUSHES, strict=True):
+        for row, push in zip(rows, pushes, strict=True):
             # about its lower edge, hard enough to fall
             rate = push * math.sqrt(G / length)
             row[0].angular_velocity = (0, rate, 0)
