@@ -31,6 +31,22 @@ class Arrays(NamedTuple):
     laws: Any
 
 
+class Helpers:
+    """Threads besides the calling one, started when they are first asked for."""
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+        self._pool: ThreadPoolExecutor | None = None
+        self._process = -1
+
+    def pool(self) -> ThreadPoolExecutor:
+        """The threads; new ones in a process that was forked off, in which the old ones do not live on."""
+        if self._pool is None or self._process != os.getpid():
+            self._pool = ThreadPoolExecutor(self._count, thread_name_prefix="stiction")
+            self._process = os.getpid()
+        return self._pool
+
+
 class Crew:
     """Workers besides the calling thread. They are started with the first call, and end with the crew.
 
@@ -39,8 +55,7 @@ class Crew:
 
     def __init__(self, threads: int) -> None:
         self.threads = threads
-        self._pool: ThreadPoolExecutor | None = None
-        self._process = -1
+        self._helpers = Helpers(threads - 1)
         self._ready: set[Any] = set()
         self._scratch = [(*state.make_contacts(PAIR_CONTACTS), np.zeros((state.SCRATCH, 5))) for _ in range(1, threads)]
 
@@ -52,7 +67,7 @@ class Crew:
         if self.threads == 1 or jit.config.DISABLE_JIT:
             return leader(None)
         self._compile(arrays)
-        team, pool = make_team(self.threads), self._workers()
+        team, pool = make_team(self.threads), self._helpers.pool()
         at_work = [
             pool.submit(_assist, arrays, scratch, team, worker) for worker, scratch in enumerate(self._scratch, 1)
         ]
@@ -62,13 +77,6 @@ class Crew:
             dismiss(team)
             for worker in at_work:
                 worker.result()
-
-    def _workers(self) -> ThreadPoolExecutor:
-        # threads do not live on in a process that was forked off
-        if self._pool is None or self._process != os.getpid():
-            self._pool = ThreadPoolExecutor(self.threads - 1, thread_name_prefix="stiction")
-            self._process = os.getpid()
-        return self._pool
 
     def _compile(self, arrays: Arrays) -> None:
         """Have the workers' kernel ready before any of them waits for another: alone, it goes home at once."""

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.core import soft_step
 from stiction.errors import InvalidInputError
 from stiction.hulls import HullTable
 from stiction.shapes import ConvexHull
@@ -96,11 +95,7 @@ def put(world: World, snapshot: Snapshot) -> None:
 
     vars(store).update(made)
     store.hulls = hulls
-    if hasattr(store, "_edited"):
-        counts, lists = store.scratch.counts, store.scratch.bodies  # type: ignore[attr-defined]  # of a SoftStore
-        store._edited = set(lists[soft_step.EDITED, : counts[soft_step.N_EDITED]].tolist())
-        store._tree_is_fresh = False  # type: ignore[attr-defined]  # of a SoftStore
-        store._table = None  # type: ignore[attr-defined]  # of a SoftStore
+    store.replaced()
     world._material_names = list(beside["material_names"])
     world._table_of = None
     world._added, world._warned = beside["added"], beside["warned"]

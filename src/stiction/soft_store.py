@@ -208,6 +208,17 @@ class SoftStore(Store):
             self.scratch.bodies[soft_step.EDITED, counts[soft_step.N_EDITED]] = index
             counts[soft_step.N_EDITED] += 1
 
+    def replaced(self) -> None:
+        """The arrays are those of another moment now: what follows from them is found anew."""
+        self._note_edited()
+        self._tree_is_fresh = False
+        self._table = None
+
+    def _note_edited(self) -> None:
+        """Who is on the list of those edited."""
+        lists, counts = self.scratch.bodies, self.scratch.counts
+        self._edited = set(lists[soft_step.EDITED, : counts[soft_step.N_EDITED]].tolist())
+
     def watch(self) -> None:
         """Views of the state have been handed out: bodies may change without a word."""
         super().watch()
@@ -271,7 +282,7 @@ class SoftStore(Store):
         for count, row in ((p.TOUCHED, p.TOUCHED_LIST), (p.MOVED, p.MOVED_LIST), (p.PLANES, p.PLANES_LIST)):
             cache.counts[count] = _renumber(cache.lists[row], cache.counts[count], new)
         counts[soft_step.N_EDITED] = _renumber(lists[soft_step.EDITED], counts[soft_step.N_EDITED], new)
-        self._edited = set(lists[soft_step.EDITED, : counts[soft_step.N_EDITED]].tolist())
+        self._note_edited()
         counts[soft_step.N_KNOWN] = np.count_nonzero(keep[: counts[soft_step.N_KNOWN]])
         counts[soft_step.STALE] = 1
         lists[soft_step.MARK] = 0

@@ -146,6 +146,9 @@ class Store:
     def edited(self, index: int) -> None:
         """Body ``index`` was changed from outside."""
 
+    def replaced(self) -> None:
+        """The arrays are those of another moment now."""
+
     def watch(self) -> None:
         """Views of the state have been handed out: bodies may change without a word."""
         self.watched = True

@@ -18,7 +18,7 @@ from stiction.batch.state import BatchState
 from stiction.batch.workers import Failure, Needs, Workers
 from stiction.body import Body
 from stiction.contacts import contact_rows
-from stiction.core import soft_step, state
+from stiction.core import state
 from stiction.core.pairs import PAIRS
 from stiction.core.soft_report import report_contacts
 from stiction.errors import InvalidInputError, NotYetError
@@ -248,21 +248,18 @@ class Batch:
             InvalidInputError: a value is not allowed; no step was taken.
         """
         steps = checks.integer("n", n, minimum=1)
-        held = [
-            (columns, self._held(name, value, columns.shape))
-            for name, value, columns in (("forces", forces, self.forces), ("torques", torques, self.torques))
-            if value is not None
-        ]
+        given = {"forces": forces, "torques": torques}
+        held = {name: self._held(name, value) for name, value in given.items() if value is not None}
         if not held:
             self._take(steps)
             return
         for _ in range(steps):
-            for name, value in (("forces", forces), ("torques", torques)):
-                if value is not None:
-                    getattr(self, name)[...] += value
+            for name, value in held.items():
+                getattr(self, name)[...] += value
             self._take(1)
 
-    def _held(self, name: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    def _held(self, name: str, value: ArrayLike) -> Array:
+        shape = self.forces.shape
         try:
             array = np.broadcast_to(np.asarray(value, np.float64), shape)
         except (TypeError, ValueError):
@@ -398,11 +395,8 @@ class Batch:
         for name in ("tree", "cache", "soft", "scratch"):
             setattr(store, name, type(parts[name])(*(array.copy() for array in parts[name])))
         store.steps = int(self._steps[world])
-        counts, lists = store.scratch.counts, store.scratch.bodies
-        store._edited = set(lists[soft_step.EDITED, : counts[soft_step.N_EDITED]].tolist())
+        store.replaced()
         self._table.put(other.materials, world)
-        other._pair_table()  # before the edits are what they were: a changed table wakes everything
-        store._table = None
         other._gravity = self.gravity[world]
         other._settings = other._make_settings()
         return other

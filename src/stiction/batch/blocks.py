@@ -50,23 +50,25 @@ class Room(NamedTuple):
 def arrays_with(room: Room, dtype: Any) -> dict[str, AnyArray]:
     """Empty arrays of one world, by name."""
     bodies, kinds = state.make_bodies(room.bodies)
-    made: dict[str, Any] = {"bodies": bodies, "kinds": kinds, "ledger": np.zeros(state.LEDGER_WIDTH)}
-    parts: dict[str, Any] = {
-        "tree": make_tree(room.bodies),
-        "cache": make_pair_cache(room.bodies, room.pairs),
-        "soft": soft_rows.make_soft(room.bodies, room.pairs, dtype),
-        "scratch": soft_step.make_scratch(room.bodies, room.pairs, COLOURS),
-    }
-    for name, part in parts.items():
-        made |= {f"{name}.{field}": array for field, array in zip(part._fields, part, strict=True)}
-    return made
+    return _by_name(
+        bodies,
+        kinds,
+        np.zeros(state.LEDGER_WIDTH),
+        tree=make_tree(room.bodies),
+        cache=make_pair_cache(room.bodies, room.pairs),
+        soft=soft_rows.make_soft(room.bodies, room.pairs, dtype),
+        scratch=soft_step.make_scratch(room.bodies, room.pairs, COLOURS),
+    )
 
 
 def arrays_of(store: SoftStore) -> dict[str, AnyArray]:
     """The arrays of a store, by the same names."""
-    made: dict[str, AnyArray] = {"bodies": store.bodies, "kinds": store.kinds, "ledger": store.ledger}
-    for name in GROUPS:
-        part = getattr(store, name)
+    return _by_name(store.bodies, store.kinds, store.ledger, **{name: getattr(store, name) for name in GROUPS})
+
+
+def _by_name(bodies: AnyArray, kinds: AnyArray, ledger: AnyArray, **groups: Any) -> dict[str, AnyArray]:
+    made = {"bodies": bodies, "kinds": kinds, "ledger": ledger}
+    for name, part in groups.items():
         made |= {f"{name}.{field}": array for field, array in zip(part._fields, part, strict=True)}
     return made
 
@@ -87,9 +89,8 @@ class Desk:
     def __init__(self, room: Room, blocks: int, contacts: int, dtype: Any) -> None:
         made = arrays_with(room, dtype)
         if blocks * soft_rows.FIELDS > len(made["soft.blocks"]):
-            width = LANES
-            made["soft.blocks"] = np.zeros((blocks * soft_rows.FIELDS, width), dtype)
-            made["soft.members"] = np.zeros((3 * blocks, width), np.int32)
+            made["soft.blocks"] = np.zeros((blocks * soft_rows.FIELDS, LANES), dtype)
+            made["soft.members"] = np.zeros((3 * blocks, LANES), np.int32)
         self.arrays = {name: made[name] for name in DESKS}
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
         self.contacts, self.tags = state.make_contacts(contacts)

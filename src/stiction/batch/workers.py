@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +9,7 @@ from numpy.typing import NDArray
 
 from stiction.batch.blocks import Blocks, Desk
 from stiction.core import jit, soft_entry, soft_step, state
+from stiction.crew import Helpers
 from stiction.store import announce_compilation
 
 AnyArray = NDArray[Any]
@@ -48,12 +47,13 @@ class Workers:
         self._outcomes = np.zeros((blocks.worlds, soft_entry.OUTCOME_WIDTH), np.int64)
         self._contacts, self._blocks = 32, 0
         self._desks: list[Desk] = []
-        self._pool: ThreadPoolExecutor | None = None
-        self._process = -1
+        self._helpers = Helpers(threads - 1)
+        self._written: tuple[tuple[int, int, bool], list[Any]] | None = None
         self.furnish(blocks)
 
     def furnish(self, blocks: Blocks) -> None:
         """New desks, for as many bodies, pairs, blocks and contacts as there now is room for."""
+        self._written = None
         self._desks = [Desk(blocks.room, self._blocks, self._contacts, blocks.dtype) for _ in range(self.threads)]
 
     @property
@@ -116,7 +116,7 @@ class Workers:
             return
         width = -(-worlds // (self.threads * TURNS)) if self.threads > 1 else worlds
         starts = iter(range(0, worlds, width))
-        books = [blocks.book(desk, table, settings, hulls, needs.bounces is not None) for desk in self._desks]
+        books = self._books(blocks, table, settings, hulls, needs.bounces is not None)
 
         def work(book: NDArray[np.int64]) -> None:
             for first in starts:
@@ -125,19 +125,20 @@ class Workers:
                     needs.boxes_meet, needs.hulls, needs.bounces, needs.rolls, needs.laws, None, None,
                 )  # fmt: skip
 
-        helpers = [self._threads().submit(work, book) for book, _ in books[1:]] if width < worlds else []
+        helpers = [self._helpers.pool().submit(work, book) for book, _ in books[1:]] if width < worlds else []
         try:
             work(books[0][0])
         finally:
             for helper in helpers:
                 helper.result()
 
-    def _threads(self) -> ThreadPoolExecutor:
-        # threads do not live on in a process that was forked off
-        if self._pool is None or self._process != os.getpid():
-            self._pool = ThreadPoolExecutor(self.threads - 1, thread_name_prefix="stiction")
-            self._process = os.getpid()
-        return self._pool
+    def _books(self, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, bounces: bool) -> list[Any]:
+        """A book for each desk with what it must keep alive, written anew if an array in it was replaced: blocks are
+        when they grow, and then there are new desks."""
+        names = id(table), id(settings), bounces
+        if self._written is None or self._written[0] != names:
+            self._written = names, [blocks.book(desk, table, settings, hulls, bounces) for desk in self._desks]
+        return self._written[1]
 
     def _in_plain_python(
         self, steps: int, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, needs: Needs

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from stiction.errors import InvalidInputError, NotYetError, StictionWarning
+from stiction.scene.fields import Table
 from stiction.scene.load import SyntaxFault, find_syntax_fault, parse
 from stiction.scene.mend import MISSING, UNKNOWN, Mender, suggestion_in
 from stiction.scene.model import SceneTable
@@ -96,13 +97,18 @@ def check_scene(text: str, file: str) -> list[Finding]:
 
 def read_scene(data: Data) -> list[str]:
     """What is wrong with a scene: what shows in its keys, or else the first thing that shows when it is built."""
-    found = sentences_of(SceneTable, data, "the scene")
+    return faults_of(SceneTable, "the scene", data, lambda: Simulation(Scene.from_dict(data)))
+
+
+def faults_of(table: type[Table], what: str, data: Data, build: Callable[[], object]) -> list[str]:
+    """What is wrong with the keys of a table, or else the first thing that shows when ``build`` makes what it says."""
+    found = sentences_of(table, data, what)
     if found:
         return found
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StictionWarning)
         try:
-            Simulation(Scene.from_dict(data))
+            build()
         except (InvalidInputError, NotYetError) as error:
             return [str(error)]
     return []

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import tomllib
-import warnings
 from pathlib import Path
 
-from stiction.errors import InvalidInputError, NotYetError, StictionWarning
-from stiction.scene.check import Data, Finding, check
+from stiction.scene.check import Data, Finding, check, faults_of
 from stiction.scene.load import find_syntax_fault
-from stiction.scene.validate import sentences_of
 from stiction.sweep.load import from_dict
 from stiction.sweep.spec import SweepTable
 
@@ -30,15 +27,6 @@ def check_sweep(text: str, file: str) -> list[Finding]:
     """
 
     def read(data: Data) -> list[str]:
-        found = sentences_of(SweepTable, data, "the sweep")
-        if found:
-            return found
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", StictionWarning)
-            try:
-                from_dict(data, Path(file).stem, Path(file).parent)
-            except (InvalidInputError, NotYetError) as error:
-                return [str(error)]
-        return []
+        return faults_of(SweepTable, "the sweep", data, lambda: from_dict(data, Path(file).stem, Path(file).parent))
 
     return check(text, file, read).findings
