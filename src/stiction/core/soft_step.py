@@ -403,7 +403,11 @@ def list_touching(kinds, manifolds, meta, pose, active, count, lists, normals):
         row = active[k, 2] + 1
         load = manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1] + manifolds[row, s.LOAD + 2]
         counts = load + manifolds[row, s.LOAD + 3] > 0.0
-        counts |= manifolds[row, s.FRESH] > s.OLD and manifolds[row, s.GAP] < NEAR
+        if manifolds[row, s.FRESH] > s.OLD:
+            nearest = manifolds[row, s.GAP]
+            for j in range(1, 4):
+                nearest = min(nearest, manifolds[row, s.GAP + j])
+            counts |= nearest < NEAR
         kind = NO_GLIDE
         n = Vec3(0.0, 0.0, 0.0)
         if meta[row, s.POINTS] == 1.0 or manifolds[row, s.STATE] == s.SLIDING:
