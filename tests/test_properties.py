@@ -242,31 +242,45 @@ def pile(
 
 
 # --- symmetry ---------------------------------------------------------------------------------------------------------
-# A tie, such as two corners that are equally deep, may be broken differently after rounding, and a contact that just
-# touches may just not touch. So scenes are compared over the short time in which such differences stay small.
+# A tie may be broken differently after rounding, or by the order of corners, which a mirror reverses: which four of
+# eight points that are good within one per cent a manifold keeps, on which side of a line the strip lies that stands
+# for it, whether a contact that just touches does. So scenes are compared over the short time in which such differences
+# stay small; in single precision, where a tie shows at once, all but one in a hundred have to agree to rounding.
 
 STEPS = 12
+CENSUS = 150
+"""Scenes with and without their image, for ``soft``."""
 
 
-def alike(solver: str, kind: str) -> float:
-    """How much two runs may differ that are equal but for rounding: m, m/s, rad/s."""
-    soft = {"place": 2e-5, "speed": 1e-3, "spin": 5e-3}
-    micro = {"place": 1e-6, "speed": 1e-4, "spin": 1e-3}
-    return (soft if solver == "soft" else micro)[kind]
+class Image:
+    """A scene again: turned by R and shifted, or in the mirror R, whose axial vectors (spins) go by ``spin``."""
+
+    def __init__(self, R: Array, shift: Array, spin: Array, place: Any) -> None:
+        self.R, self.shift, self.spin, self.place = R, shift, spin, place
+
+    def differences(self, solver: str, seed: int, n: int, materials: st.MaterialTable) -> Array | None:
+        """How far n bodies and their image are from each other at the end: m, m/s, rad/s.
+
+        Where the solver gives up it says so, and then rounding decides what is left: None.
+        """
+        here = pile(np.random.default_rng(seed + 1), n, solver, materials=materials)
+        there = pile(np.random.default_rng(seed + 1), n, solver, self.place, materials)
+        there.gravity = self.R @ here.gravity
+        for world in (here, there):
+            world.step(STEPS)
+            if any(world.report().limit_hits):
+                return None
+        return np.array(
+            [
+                np.abs(there.positions[1:] - here.positions[1:] @ self.R.T - self.shift).max(),
+                np.abs(there.velocities[1:] - here.velocities[1:] @ self.R.T).max(),
+                np.abs(there.angular_velocities[1:] - here.angular_velocities[1:] @ self.spin.T).max(),
+            ]
+        )
 
 
-def run_alike(*worlds: st.World) -> None:
-    """Take the steps. Where the solver gives up it says so, and then rounding decides what is left: not compared."""
-    for world in worlds:
-        world.step(STEPS)
-        assume(not any(world.report().limit_hits))
-
-
-@both
-@few
-@given(seeds, some.integers(1, 3))
-def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(solver: str, seed: int, n: int) -> None:
-    rng = np.random.default_rng(seed)
+def turned(rng: np.random.Generator) -> Image:
+    """Any rotation, and a shift of some metres."""
     q, shift = quaternion(rng), 5.0 * rng.normal(size=3)
     R = matrix_of(q)
 
@@ -279,50 +293,60 @@ def test_a_scene_that_is_turned_and_shifted_as_a_whole_goes_the_same_way(solver:
                 moved[name] = R @ state[name]
         return moved
 
-    materials = table(rng, rolling=0.01, torsional=0.01)
-    here = pile(np.random.default_rng(seed + 1), n, solver, materials=materials)
-    there = pile(np.random.default_rng(seed + 1), n, solver, place, materials)
-    there.gravity = R @ here.gravity
-    run_alike(here, there)
-    np.testing.assert_allclose(
-        there.positions[1:], here.positions[1:] @ R.T + shift, rtol=0, atol=alike(solver, "place")
-    )
-    np.testing.assert_allclose(there.velocities[1:], here.velocities[1:] @ R.T, rtol=0, atol=alike(solver, "speed"))
-    np.testing.assert_allclose(
-        there.angular_velocities[1:], here.angular_velocities[1:] @ R.T, rtol=0, atol=alike(solver, "spin")
-    )
+    return Image(R, shift, R, place)
 
 
+def mirrored(_: np.random.Generator) -> Image:
+    """In x: positions and velocities change the sign of x, spins and axes of rotation that of y and z."""
+    flip, spin = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
+    signs = {"position": flip, "velocity": flip, "surface_velocity": flip, "angular_velocity": spin}
+
+    def place(state: dict[str, Any]) -> dict[str, Any]:
+        moved = {name: np.asarray(value) * signs[name] if name in signs else value for name, value in state.items()}
+        if "orientation" in state:
+            moved["orientation"] = state["orientation"] * np.array([1.0, 1.0, -1.0, -1.0])
+        return moved
+
+    return Image(np.diag(flip), np.zeros(3), np.diag(spin), place)
+
+
+def heavier(rng: np.random.Generator) -> Image:
+    """All densities times a factor: the same motion, where only friction and gravity act."""
+    factor = float(rng.uniform(0.5, 20.0))
+
+    def place(state: dict[str, Any]) -> dict[str, Any]:
+        return state if state.get("static") else {**state, "density": 1000.0 * factor}
+
+    return Image(np.eye(3), np.zeros(3), np.eye(3), place)
+
+
+images = pytest.mark.parametrize("image", [turned, mirrored, heavier])
+
+
+@images
+def test_all_but_one_in_a_hundred_scenes_go_as_their_image(image: Any) -> None:
+    found = []
+    for seed in range(CENSUS):
+        rng = np.random.default_rng(seed)
+        materials = table(rng, rolling=0.01, torsional=0.01)
+        found.append(image(rng).differences("soft", seed, 1 + seed % 3, materials))
+    compared = np.array([each for each in found if each is not None])
+    assert len(compared) > 0.9 * CENSUS
+    # m, m/s and rad/s
+    assert np.all(np.quantile(compared, 0.99, axis=0, method="lower") < [2e-6, 2e-5, 1e-4])
+
+
+@images
 @both
 @few
 @given(seeds, some.integers(1, 3))
-def test_a_scene_in_the_mirror_goes_as_its_mirror_image(solver: str, seed: int, n: int) -> None:
-    """Mirrored in x: positions and velocities change the sign of x, spins and axes of rotation that of y and z."""
-    flip, spin = np.array([-1.0, 1.0, 1.0]), np.array([1.0, -1.0, -1.0])
-
-    def place(state: dict[str, Any]) -> dict[str, Any]:
-        mirrored = dict(state)
-        for name, signs in (
-            ("position", flip),
-            ("velocity", flip),
-            ("surface_velocity", flip),
-            ("angular_velocity", spin),
-        ):
-            if name in state:
-                mirrored[name] = np.asarray(state[name]) * signs
-        if "orientation" in state:
-            mirrored["orientation"] = state["orientation"] * np.array([1.0, 1.0, -1.0, -1.0])
-        return mirrored
-
-    materials = table(np.random.default_rng(seed), rolling=0.01, torsional=0.01)
-    here = pile(np.random.default_rng(seed + 1), n, solver, materials=materials)
-    there = pile(np.random.default_rng(seed + 1), n, solver, place, materials)
-    run_alike(here, there)
-    np.testing.assert_allclose(there.positions[1:], here.positions[1:] * flip, rtol=0, atol=alike(solver, "place"))
-    np.testing.assert_allclose(there.velocities[1:], here.velocities[1:] * flip, rtol=0, atol=alike(solver, "speed"))
-    np.testing.assert_allclose(
-        there.angular_velocities[1:], here.angular_velocities[1:] * spin, rtol=0, atol=alike(solver, "spin")
-    )
+def test_a_scene_goes_as_its_image_or_nearly(image: Any, solver: str, seed: int, n: int) -> None:
+    """As far as a tie takes it from there in the worst case: 2 mm in one of two thousand scenes."""
+    rng = np.random.default_rng(seed)
+    materials = table(rng, rolling=0.01, torsional=0.01)
+    found = image(rng).differences(solver, seed, n, materials)
+    assume(found is not None)
+    assert np.all(found < ([1e-2, 0.2, 0.5] if solver == "soft" else [1e-6, 1e-4, 1e-3]))
 
 
 @both
@@ -339,23 +363,6 @@ def test_a_crate_slides_equally_far_in_all_directions_whatever_its_yaw(solver: s
     world.run(1.0)
     wanted = 9.0 / (2 * 0.4 * 9.81)
     np.testing.assert_allclose(crate.position[:2], wanted * v[:2] / 3.0, rtol=0, atol=2e-4)
-
-
-@both
-@few
-@given(seeds, some.floats(0.5, 20.0))
-def test_mass_does_not_matter_where_only_friction_and_gravity_act(solver: str, seed: int, factor: float) -> None:
-    """All densities times a factor: the same motion."""
-
-    def heavier(state: dict[str, Any]) -> dict[str, Any]:
-        return state if state.get("static") else {**state, "density": 1000.0 * factor}
-
-    materials = table(np.random.default_rng(seed))
-    here = pile(np.random.default_rng(seed + 1), 2, solver, materials=materials)
-    there = pile(np.random.default_rng(seed + 1), 2, solver, heavier, materials)
-    run_alike(here, there)
-    np.testing.assert_allclose(there.positions, here.positions, rtol=0, atol=alike(solver, "place"))
-    np.testing.assert_allclose(there.velocities, here.velocities, rtol=0, atol=alike(solver, "speed"))
 
 
 @both
