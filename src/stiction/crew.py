@@ -10,7 +10,8 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from stiction.core import jit, state
-from stiction.core.soft_step import PAIR_CONTACTS, assist, dismiss
+from stiction.core.soft_scratch import PAIR_CONTACTS
+from stiction.core.soft_step import assist, dismiss
 from stiction.core.team import Team, make_team
 
 Result = TypeVar("Result")
@@ -23,7 +24,7 @@ class Arrays(NamedTuple):
     kinds: Any
     pairs: Any
     soft: Any
-    scratch: Any
+    desk: Any
     table: Any
     boxes_meet: Any
     hulls: Any
@@ -87,5 +88,5 @@ class Crew:
 
 
 def _assist(arrays: Arrays, scratch: tuple[Any, ...], team: Team, worker: int) -> None:
-    bodies, kinds, pairs, soft, lists, table, boxes_meet, hulls, rolls, laws = arrays
-    assist(bodies, kinds, pairs, soft, lists, *scratch, table, boxes_meet, hulls, rolls, laws, team, worker)
+    bodies, kinds, pairs, soft, desk, table, boxes_meet, hulls, rolls, laws = arrays
+    assist(bodies, kinds, pairs, soft, desk, *scratch, table, boxes_meet, hulls, rolls, laws, team, worker)

@@ -21,16 +21,17 @@ from stiction.world import World
 Snapshot = dict[str, NDArray[Any]]
 
 SCRATCH = {
-    "contacts", "tags", "points", "soft.blocks", "soft.members", "scratch.contacts", "scratch.tags", "scratch.points",
+    "contacts", "tags", "points", "soft.blocks", "soft.members", "desk.active", "desk.lists", "desk.normals",
+    "desk.sizes", "desk.notes", "desk.failed", "desk.contacts", "desk.tags", "desk.points",
 }  # fmt: skip
 """Arrays that a step fills before it reads them: of these a snapshot keeps the shape alone. The rows of contact points
 are so in the soft solver only, which has manifolds besides; ``micro`` has nothing else to answer with."""
 NOT_KEPT = {
-    "crew", "dtype", "_one", "_exact", "_table", "_written", "_bounces", "_rolls", "_laws", "_edited", "_tree_is_fresh",
+    "crew", "dtype", "_one", "_exact", "_table", "_written", "_needs", "_edited", "_tree_is_fresh",
     "_outcome", "cycles", "seconds", "hulls",
 }  # fmt: skip
 """Attributes of a store that follow from the others, or from the settings and materials of its world."""
-ACROSS = {"scratch.bodies", "cache.lists"}
+ACROSS = {"scratch.bodies", "desk.lists", "cache.lists"}
 """Matrices that have bodies in their columns; the others have them, or pairs, or contacts, in their rows."""
 WORLD = "world"
 """The entry with what the world keeps beside its store, JSON."""

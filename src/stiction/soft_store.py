@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import functools
 import time
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.core import jit, questions, removal, soft_entry, soft_rows, soft_step, state, touching
 from stiction.core import pairs as p
+from stiction.core import questions, removal, soft_book, soft_entry, soft_rows, soft_scratch, soft_step, state, touching
 from stiction.core.clock import STAGES
-from stiction.core.colouring import COLOURS
 from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, grow_pair_cache, make_pair_cache
 from stiction.core.soft_report import report_contacts
 from stiction.core.solve import exact
@@ -20,13 +19,23 @@ from stiction.core.tree import NONE, RIGHT, grow_tree, make_tree
 from stiction.crew import Arrays, Crew
 from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilation, close_gaps
 
-NOTHING_WRITTEN = np.zeros((0, 0), np.int64)
 PRECISIONS = {"single": np.float32, "double": np.float64}
 
 
 THINNEST = 3e-5
 """Least principal moment of inertia that single precision can tell from nothing, a part of mass x reach^2: that of a
 rod whose radius is 1/130 of its half length."""
+
+
+class Needs(NamedTuple):
+    """What has to be compiled into the step: 1, or None for what no body needs."""
+
+    boxes_meet: int | None
+    hulls: int | None
+    bounces: int | None
+    rolls: int | None
+    laws: int | None
+    exact: int | None
 
 
 class SoftStore(Store):
@@ -41,16 +50,15 @@ class SoftStore(Store):
         self.tree = make_tree(room)
         self.cache = make_pair_cache(room, pairs)
         self.soft = soft_rows.make_soft(room, pairs, self.dtype)
-        self.scratch = soft_step.make_scratch(room, pairs, COLOURS)
+        self.scratch = soft_scratch.make_scratch(room)
+        self.desk = soft_scratch.make_desk(room, pairs)
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
         self.seconds = 0.0
         self._table: Array | None = None
         self._one = self.dtype(1.0)
-        self._outcome = np.zeros((1, soft_entry.OUTCOME_WIDTH), np.int64)
-        self._written: tuple[tuple[int, ...], tuple[Any, ...], NDArray[np.int64]] = (), (), NOTHING_WRITTEN
-        self._bounces = False
-        self._rolls: int | None = None
-        self._laws: int | None = None
+        self._outcome = np.zeros((1, soft_step.OUTCOME_WIDTH), np.int64)
+        self._written: tuple[tuple[int, ...], tuple[Any, ...], Any] = (), (), None
+        self._needs: tuple[tuple[int, ...], Needs] = (), Needs(None, None, None, None, None, None)
         self._edited: set[int] = set()
         self._tree_is_fresh = False
 
@@ -78,12 +86,9 @@ class SoftStore(Store):
         self._edited.clear()
         left = steps
         began = time.perf_counter()
-        if table is not self._table:
-            self._table = table
-            self._bounces = bool(self._exact or table[:, :, state.RESTITUTION].any())
-            self._laws = 1 if table.shape[2] > state.STATIC_ACROSS else None
-            # whoever has laws compiles rolling resistance too: one variant of the step less
-            self._rolls = 1 if self._exact or self._laws or table[:, :, state.ROLLING].any() else None
+        here = self.n, self.boxes, self.polytopes
+        if table is not self._table or here != self._needs[0]:
+            self._table, self._needs = table, (here, self.needs(table))
         announce_compilation()
         while left:
             done, reason, number = self._take(min(left, max(1, CHUNK // self.n)), settings, table)
@@ -101,6 +106,22 @@ class SoftStore(Store):
         if self._exact:
             self._note_tally()
         return None
+
+    def needs(self, table: Array) -> Needs:
+        """What the step of these bodies needs with this table of pairs, or with one for each of many worlds."""
+        # the exact solver is for small worlds: fewer variants of the step are worth more to it than their speed
+        exact = self.rigid
+        laws = table.shape[-1] > state.STATIC_ACROSS
+        wanted = (
+            exact or (self.boxes > 1 and self.dynamic_boxes > 0),
+            self.polytopes > 0,
+            exact or table[..., state.RESTITUTION].any(),
+            # whoever has laws compiles rolling resistance too: one variant of the step less
+            exact or laws or table[..., state.ROLLING].any(),
+            laws,
+            exact,
+        )
+        return Needs(*(1 if each else None for each in wanted))
 
     def _note_tally(self) -> None:
         """Enter into the report what the exact solver has tallied."""
@@ -121,11 +142,11 @@ class SoftStore(Store):
 
     def miss(self, settings: state.Settings) -> float:
         """By how much the velocities and impulses of the last step miss the laws of contact, m/s."""
-        blocks = int(self.scratch.counts[soft_step.BLOCKS])
+        blocks = int(self.scratch.counts[soft_scratch.BLOCKS])
         if blocks == 0 or self.n == 0:
             return 0.0
-        laws = (self.kinds, self._table, self.soft.grain) if self._laws else None
-        substeps = settings.substeps * (2 if self.scratch.counts[soft_step.HARD] and not self._exact else 1)
+        laws = (self.kinds, self._table, self.soft.grain) if self._needs[1].laws else None
+        substeps = settings.substeps * (2 if self.scratch.counts[soft_scratch.HARD] and not self._exact else 1)
         return float(
             exact.measure_miss(
                 self.soft.blocks, self.soft.members, blocks, self.soft.rows, settings.dt / substeps, laws
@@ -134,60 +155,41 @@ class SoftStore(Store):
 
     def _take(self, steps: int, settings: state.Settings, table: Array) -> Any:
         """Call the kernel: how many steps it took, its reason to return, and a number that goes with the reason."""
-        # the exact solver is for small worlds: fewer variants of the step are worth more to it than their speed
-        boxes_meet = 1 if self._exact or (self.boxes > 1 and self.dynamic_boxes) else None
-        hulls = self.hulls.arrays if self.polytopes else None
-        bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if self._bounces else ()
-        if jit.config.DISABLE_JIT:
-            reason, done, number = soft_step.take_steps(
-                steps, self.bodies, self.kinds, self.n, self.tree, self.cache, self.soft, self.scratch, table,
-                settings, self.ledger, self.cycles, boxes_meet, hulls, bounces or None, self._rolls, self._laws,
-                self._exact, None,
-            )  # fmt: skip
-            return done, reason, number
+        needs = self._needs[1]
+        hulls = self.hulls.arrays if needs.hulls else None
+        bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if needs.bounces else ()
         outcome = self._outcome
-        outcome[0, soft_entry.TAKEN] = 0
-        given = (
-            steps, self.n, self._book(table, settings, bounces), 0, 1, outcome, self._one, boxes_meet,
-            1 if hulls else None, 1 if bounces else None, self._rolls, self._laws, self._exact,
-        )  # fmt: skip
+        outcome[0, soft_step.TAKEN] = 0
+        given = steps, self.n, self._book(table, settings, bounces), 0, 1, 1, outcome, self._one, *needs
         if self.crew.threads == 1:
             soft_entry.soft_step(*given, None)
             return outcome.tolist()[0]
         shared = Arrays(
-            self.bodies,
-            self.kinds,
-            self.cache.pairs,
-            self.soft,
-            self.scratch,
-            table,
-            boxes_meet,
-            hulls,
-            self._rolls,
-            self._laws,
-        )
+            self.bodies, self.kinds, self.cache.pairs, self.soft, self.desk, table, needs.boxes_meet, hulls,
+            needs.rolls, needs.laws,
+        )  # fmt: skip
         self.crew.lead(functools.partial(soft_entry.soft_step, *given), shared)
         return outcome.tolist()[0]
 
-    def _book(self, table: Array, settings: state.Settings, bounces: tuple[Any, ...]) -> NDArray[np.int64]:
+    def _book(self, table: Array, settings: state.Settings, bounces: tuple[Any, ...]) -> Any:
         """Where all arrays are that a step needs, written anew if one of them was replaced.
 
         The parts are kept beside it, so that none of them can go away, nor its place be taken by another.
         """
         parts = (
             self.bodies, self.kinds, table, settings, self.ledger, self.cycles, self.tree, self.cache, self.soft,
-            self.scratch, self.hulls.arrays, *bounces,
+            self.scratch, self.desk, self.hulls.arrays, *bounces,
         )  # fmt: skip
         names = tuple(map(id, parts))
         if names != self._written[0]:
             numbers = np.array(settings, np.float64)
             written = (*parts[:3], numbers, *parts[4:])
-            self._written = names, (parts, numbers), soft_entry.book_of(*written)
+            self._written = names, (parts, numbers), soft_book.book_of(*written)
         return self._written[2]
 
     def __getstate__(self) -> dict[str, Any]:
         """Without addresses, which hold for this very store."""
-        return self.__dict__ | {"_written": ((), (), NOTHING_WRITTEN)}
+        return self.__dict__ | {"_written": ((), (), None)}
 
     def _impact_lists(self) -> state.Lists:
         """Scratch of the impacts for as many bodies and contact rows as there is room for."""
@@ -203,10 +205,10 @@ class SoftStore(Store):
         """Body ``index`` was changed from outside: it wakes with all that touch it."""
         counts = self.scratch.counts
         self._tree_is_fresh = False
-        if index < counts[soft_step.N_KNOWN] and index not in self._edited:
+        if index < counts[soft_scratch.N_KNOWN] and index not in self._edited:
             self._edited.add(index)
-            self.scratch.bodies[soft_step.EDITED, counts[soft_step.N_EDITED]] = index
-            counts[soft_step.N_EDITED] += 1
+            self.scratch.bodies[soft_scratch.EDITED, counts[soft_scratch.N_EDITED]] = index
+            counts[soft_scratch.N_EDITED] += 1
 
     def replaced(self) -> None:
         """The arrays are those of another moment now: what follows from them is found anew."""
@@ -217,12 +219,12 @@ class SoftStore(Store):
     def _note_edited(self) -> None:
         """Who is on the list of those edited."""
         lists, counts = self.scratch.bodies, self.scratch.counts
-        self._edited = set(lists[soft_step.EDITED, : counts[soft_step.N_EDITED]].tolist())
+        self._edited = set(lists[soft_scratch.EDITED, : counts[soft_scratch.N_EDITED]].tolist())
 
     def watch(self) -> None:
         """Views of the state have been handed out: bodies may change without a word."""
         super().watch()
-        self.scratch.counts[soft_step.WATCHED] = 1
+        self.scratch.counts[soft_scratch.WATCHED] = 1
 
     def collect_contacts(self) -> None:
         """Fill the rows of contact points."""
@@ -258,10 +260,10 @@ class SoftStore(Store):
     def fresh_tree(self, gravity: float, dt: float) -> tuple[Any, Any]:
         """The tree of the step, with all bodies where they are now."""
         counts = self.scratch.counts
-        if not self._tree_is_fresh or counts[soft_step.WATCHED]:
+        if not self._tree_is_fresh or counts[soft_scratch.WATCHED]:
             questions.refresh_tree(
-                self.tree, self.cache, self.bodies, self.kinds, self.n, counts[soft_step.N_KNOWN],
-                self.scratch.bodies[soft_step.GROUP], gravity, dt,
+                self.tree, self.cache, self.bodies, self.kinds, self.n, counts[soft_scratch.N_KNOWN],
+                self.desk.lists[soft_scratch.GROUP], gravity, dt,
             )  # fmt: skip
             self._tree_is_fresh = True
         return self.tree, self.cache
@@ -281,11 +283,11 @@ class SoftStore(Store):
         cache, counts, lists = self.cache, self.scratch.counts, self.scratch.bodies
         for count, row in ((p.TOUCHED, p.TOUCHED_LIST), (p.MOVED, p.MOVED_LIST), (p.PLANES, p.PLANES_LIST)):
             cache.counts[count] = _renumber(cache.lists[row], cache.counts[count], new)
-        counts[soft_step.N_EDITED] = _renumber(lists[soft_step.EDITED], counts[soft_step.N_EDITED], new)
+        counts[soft_scratch.N_EDITED] = _renumber(lists[soft_scratch.EDITED], counts[soft_scratch.N_EDITED], new)
         self._note_edited()
-        counts[soft_step.N_KNOWN] = np.count_nonzero(keep[: counts[soft_step.N_KNOWN]])
-        counts[soft_step.STALE] = 1
-        lists[soft_step.MARK] = 0
+        counts[soft_scratch.N_KNOWN] = np.count_nonzero(keep[: counts[soft_scratch.N_KNOWN]])
+        counts[soft_scratch.STALE] = 1
+        self.desk.lists[soft_scratch.MARK] = 0
 
         asleep = self.kinds[:n, state.ASLEEP] != 0
         self.kinds[:n, state.ISLAND][asleep] = new[self.kinds[:n, state.ISLAND][asleep]]
@@ -350,7 +352,8 @@ class SoftStore(Store):
         self.tree = grow_tree(self.tree, bodies)
         self.cache = grow_pair_cache(self.cache, bodies, pairs)
         self.soft = _grown(self.soft, soft_rows.make_soft(bodies, pairs, self.dtype))
-        self.scratch = _grown(self.scratch, soft_step.make_scratch(bodies, pairs, COLOURS))
+        self.scratch = _grown(self.scratch, soft_scratch.make_scratch(bodies))
+        self.desk = soft_scratch.make_desk(bodies, pairs)
 
 
 def _grown(old: Any, new: Any) -> Any:

@@ -136,11 +136,16 @@ def test_a_state_fits_a_batch_that_has_needed_less_room() -> None:
     assert other.hashes() == batch.hashes()
 
 
-def test_a_world_that_blows_up_is_frozen_and_the_others_go_on() -> None:
-    batch, fine = (st.Batch(make_world(), 4, threads=2) for _ in range(2))
+@pytest.mark.parametrize("between", [True, False], ids=["between steps", "within a step"])
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_world_that_blows_up_is_frozen_and_the_others_go_on(between: bool, threads: int) -> None:
+    batch, fine = (st.Batch(make_world(), 4, threads=threads) for _ in range(2))
     batch.step(5)
     where = batch.positions[2].copy()
-    batch.velocities[2, 4] = np.nan
+    if between:
+        batch.velocities[2, 4] = np.nan
+    else:
+        batch.forces[2, 4] = 1e300
     batch.step(6)
     fine.step(11)
     assert batch.failed.tolist() == [False, False, True, False]

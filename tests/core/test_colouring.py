@@ -8,10 +8,20 @@ import numpy as np
 import pytest
 
 from stiction.core import state
-from stiction.core.colouring import COLOURS, colour_manifolds, fill_blocks
+from stiction.core.colouring import (
+    COLOURS,
+    colour_manifolds,
+    count_blocks,
+    empty_blocks,
+    fill_blocks,
+    forget_colours,
+)
 from stiction.core.lanes import LANES
 
 from .support import Array, compiled
+
+PLACES = 5000
+"""Rows of manifolds of a world."""
 
 Pairs = list[tuple[int, int]]
 
@@ -19,26 +29,32 @@ Pairs = list[tuple[int, int]]
 class Coloured:
     """What the two kernels make of pairs of bodies."""
 
-    def __init__(self, pairs: Pairs, mobility: Any) -> None:
+    def __init__(self, pairs: Pairs, mobility: Any, worlds: int = 1) -> None:
         m, n = len(pairs), len(mobility)
         kinds = state.make_bodies(n)[1]
         kinds[:, state.MOBILITY] = mobility
         self.active = np.zeros((max(m, 1), 4), np.int64)
         for k, (a, b) in enumerate(pairs):
             self.active[k, :3] = a, b, 100 + k
-        sizes, starts = np.full(COLOURS + 1, -7), np.full(COLOURS + 1, -7)
+        sizes, starts = np.zeros(COLOURS + 1, np.int64), np.full(COLOURS + 1, -7)
+        sizes[:2], sizes[COLOURS] = 5, 5  # of the step before
+        compiled(forget_colours)(sizes)
         used = np.full(n, -7)  # scratch, whatever was in it
-        self.blocks = int(compiled(colour_manifolds)(self.active, m, kinds, used, sizes))
-        self.index = np.full((3 * self.blocks + 1, LANES), -7, np.int32)
-        compiled(fill_blocks)(self.active, m, sizes, starts, self.index, self.blocks)
-        assert (self.index[3 * self.blocks :] == -7).all()
+        for _ in range(worlds):
+            compiled(colour_manifolds)(self.active, m, kinds, used, sizes)
+        self.blocks = int(compiled(count_blocks)(sizes))
+        self.index = np.full((4 * self.blocks + 1, LANES), -7, np.int32)
+        compiled(empty_blocks)(sizes, starts, self.index, self.blocks)
+        for world in range(worlds):
+            compiled(fill_blocks)(self.active, m, starts, self.index, self.blocks, world, n + 1, PLACES)
+        assert (self.index[4 * self.blocks :] == -7).all()
         self.colours: Array = self.active[:m, 3]
         self.sizes = sizes
 
     def rows(self) -> list[list[tuple[int, int, int]]]:
         """(a, b, slot) of the lanes of each block, counted from 1, padding left out."""
-        i = self.index[: 3 * self.blocks].reshape(3, self.blocks, LANES)
-        return [[tuple(i[:, k, lane]) for lane in range(LANES) if i[2, k, lane]] for k in range(self.blocks)]
+        i = self.index[: 4 * self.blocks].reshape(4, self.blocks, LANES)
+        return [[tuple(i[:3, k, lane]) for lane in range(LANES) if i[2, k, lane]] for k in range(self.blocks)]
 
 
 def random_pairs(rng: np.random.Generator, n: int, m: int) -> Pairs:
@@ -125,3 +141,20 @@ def test_no_manifolds_make_no_blocks() -> None:
     found = Coloured([], [state.DYNAMIC] * 3)
     assert found.blocks == 0
     assert found.rows() == []
+
+
+def test_worlds_side_by_side_share_blocks_and_keep_their_order(rng: np.random.Generator) -> None:
+    n, m, worlds = 5, 6, 3
+    mobility = np.full(n, state.DYNAMIC)
+    pairs = random_pairs(rng, n, m)
+    one, all_of_them = Coloured(pairs, mobility), Coloured(pairs, mobility, worlds)
+    assert all_of_them.blocks <= worlds * one.blocks
+    assert (all_of_them.sizes == worlds * one.sizes).all()
+    alone = [row for block in one.rows() for row in block]
+    of_world: list[list[tuple[int, int, int]]] = [[] for _ in range(worlds)]
+    for row in (row for block in all_of_them.rows() for row in block):
+        world = (row[2] - 1) // PLACES
+        of_world[world].append((row[0] - world * (n + 1), row[1] - world * (n + 1), row[2] - world * PLACES))
+    assert of_world == [alone] * worlds
+    bodies = [{a for a, _, _ in block} | {b for _, b, _ in block} for block in all_of_them.rows()]
+    assert all(len(both) == 2 * len(block) for both, block in zip(bodies, all_of_them.rows(), strict=True))

@@ -15,7 +15,7 @@ from stiction.batch.blocks import Blocks
 from stiction.batch.draws import Draws
 from stiction.batch.materials import PairTables
 from stiction.batch.state import BatchState
-from stiction.batch.workers import Failure, Needs, Workers
+from stiction.batch.workers import Failure, Workers
 from stiction.body import Body
 from stiction.contacts import contact_rows
 from stiction.core import state
@@ -273,17 +273,15 @@ class Batch:
 
     def _take(self, steps: int) -> None:
         store, table = self._store, self._table.array
-        rolls = table[..., state.ROLLING].any()
-        laws = table.shape[-1] > state.STATIC_ACROSS
-        needs = Needs(
-            boxes_meet=1 if store.boxes > 1 and store.dynamic_boxes else None,
-            hulls=1 if store.polytopes else None,
-            bounces=1 if table[..., state.RESTITUTION].any() else None,
-            rolls=1 if laws or rolls else None,
-            laws=1 if laws else None,
-        )
         self._failures += self._workers.step(
-            steps, self._blocks, self._failed, table, self._settings, store.hulls.arrays, needs, self._steps
+            steps,
+            self._blocks,
+            self._failed,
+            table,
+            self._settings,
+            store.hulls.arrays,
+            store.needs(table),
+            self._steps,
         )
 
     # --- worlds that blew up ------------------------------------------------------------------------------------------

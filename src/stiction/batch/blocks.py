@@ -1,7 +1,7 @@
 """The arrays of many worlds: a block for each array that a world keeps from step to step, worlds along its first axis.
 
 What a step fills before it reads it is no state, and belongs to the worker that takes the step (:class:`Desk`): blocks
-of contacts, lists, the scratch of the narrow phase. So a world of five bodies takes some 11 kB instead of 90.
+of contacts, lists, the scratch of the narrow phase. So a world of five bodies takes some 10 kB instead of 90.
 """
 
 from __future__ import annotations
@@ -12,25 +12,23 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.core import soft_entry, soft_rows, soft_step, state
+from stiction.core import soft_book, soft_rows, soft_scratch, state
 from stiction.core.book import Each
 from stiction.core.clock import STAGES
-from stiction.core.colouring import COLOURS
 from stiction.core.lanes import LANES
 from stiction.core.pairs import PAIRS, SLOTS, PairCache, make_pair_cache
 from stiction.core.soft_rows import Soft
-from stiction.core.soft_step import Scratch
+from stiction.core.soft_scratch import Scratch
 from stiction.core.tree import USED, Tree, make_tree
 from stiction.soft_store import SoftStore
 
 AnyArray = NDArray[Any]
 GROUPS: dict[str, Any] = {"tree": Tree, "cache": PairCache, "soft": Soft, "scratch": Scratch}
 """The tuples of arrays in a store."""
-DESKS = {
-    "cache.begun", "cache.ended", "soft.blocks", "soft.members", "scratch.active", "scratch.normals",
-    "scratch.contacts", "scratch.tags", "scratch.points", "scratch.tally",
-}  # fmt: skip
+DESKS = {"cache.begun", "cache.ended", "soft.blocks", "soft.members", "scratch.tally"}
 """Arrays that a step fills before it reads them."""
+LANES_FULL, MOST_TOGETHER = 40, 8
+"""So many bodies fill some blocks: worlds of that many together are stepped side by side, and this many at most."""
 SHARED = {"soft.grain"}
 """Arrays that are the same in all worlds, and that a step only reads."""
 KEPT_BY_RESET = (
@@ -57,7 +55,7 @@ def arrays_with(room: Room, dtype: Any) -> dict[str, AnyArray]:
         tree=make_tree(room.bodies),
         cache=make_pair_cache(room.bodies, room.pairs),
         soft=soft_rows.make_soft(room.bodies, room.pairs, dtype),
-        scratch=soft_step.make_scratch(room.bodies, room.pairs, COLOURS),
+        scratch=soft_scratch.make_scratch(room.bodies),
     )
 
 
@@ -84,23 +82,26 @@ def fit(array: AnyArray, like: AnyArray, axis: int = 0) -> AnyArray:
 
 
 class Desk:
-    """What a worker needs besides the worlds: the arrays of :data:`DESKS`, and room for impacts."""
+    """What a worker needs besides the worlds: the arrays of :data:`DESKS`, lists for as many worlds as are stepped
+    ``together``, and room for impacts."""
 
     def __init__(self, room: Room, blocks: int, contacts: int, dtype: Any) -> None:
         made = arrays_with(room, dtype)
         if blocks * soft_rows.FIELDS > len(made["soft.blocks"]):
             made["soft.blocks"] = np.zeros((blocks * soft_rows.FIELDS, LANES), dtype)
-            made["soft.members"] = np.zeros((3 * blocks, LANES), np.int32)
+            made["soft.members"] = np.zeros((4 * blocks, LANES), np.int32)
+        self.together = max(1, min(LANES_FULL // room.bodies, MOST_TOGETHER))
+        self.lists = soft_scratch.make_desk(room.bodies, room.pairs, self.together)
         self.arrays = {name: made[name] for name in DESKS}
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
         self.contacts, self.tags = state.make_contacts(contacts)
-        self.lists = state.make_lists(room.bodies, contacts, 0)
+        self.impact_lists = state.make_lists(room.bodies, contacts, 0)
         self.report = np.zeros((3, state.REPORT_WIDTH))
 
     @property
     def bounces(self) -> tuple[Any, ...]:
         """What impacts need."""
-        return self.contacts, self.tags, self.lists, self.report
+        return self.contacts, self.tags, self.impact_lists, self.report
 
 
 class Blocks:
@@ -158,12 +159,12 @@ class Blocks:
     def edited(self, chosen: NDArray[np.int64], body: int) -> None:
         """A body was changed from outside in these worlds: it wakes there with all that touch it."""
         counts, lists = self.each["scratch.counts"], self.each["scratch.bodies"]
-        chosen = chosen[body < counts[chosen, soft_step.N_KNOWN]]
-        listed = counts[chosen, soft_step.N_EDITED]
+        chosen = chosen[body < counts[chosen, soft_scratch.N_KNOWN]]
+        listed = counts[chosen, soft_scratch.N_EDITED]
         before = np.arange(self.room.bodies) < listed[:, None]
-        chosen = chosen[~((lists[chosen, soft_step.EDITED] == body) & before).any(axis=1)]
-        lists[chosen, soft_step.EDITED, counts[chosen, soft_step.N_EDITED]] = body
-        counts[chosen, soft_step.N_EDITED] += 1
+        chosen = chosen[~((lists[chosen, soft_scratch.EDITED] == body) & before).any(axis=1)]
+        lists[chosen, soft_scratch.EDITED, counts[chosen, soft_scratch.N_EDITED]] = body
+        counts[chosen, soft_scratch.N_EDITED] += 1
 
     def parts(self, pick: Callable[[AnyArray], Any], desk: Desk) -> dict[str, Any]:
         """Bodies, kinds, ledger and the tuples of arrays; ``pick`` makes of a block what stands for it."""
@@ -175,24 +176,23 @@ class Blocks:
     def _part(self, name: str, pick: Callable[[AnyArray], Any], desk: Desk) -> Any:
         if name in DESKS:
             return desk.arrays[name]
-        return self.source[name] if name in SHARED else pick(self.each[name])
+        return pick(self.each[name]) if name in self.each else self.source[name]
 
     def of_world(self, world: int, desk: Desk) -> dict[str, Any]:
         """The arrays of one world, views."""
         return self.parts(lambda block: block[world], desk)
 
-    def book(
-        self, desk: Desk, table: AnyArray, settings: AnyArray, hulls: Any, bounces: bool
-    ) -> tuple[NDArray[np.int64], Any]:
+    def book(self, desk: Desk, table: AnyArray, settings: AnyArray, hulls: Any, bounces: bool) -> tuple[Any, Any]:
         """The book that the kernel reads at this desk, and what must be kept as long as the book is."""
         parts = self.parts(Each, desk)
         every = Each if table.ndim > 3 else _same
         numbers = Each if settings.ndim > 1 else _same
         kept = (
             parts["bodies"], parts["kinds"], every(table), numbers(settings), parts["ledger"], desk.cycles,
-            parts["tree"], parts["cache"], parts["soft"], parts["scratch"], hulls, *(desk.bounces if bounces else ()),
+            parts["tree"], parts["cache"], parts["soft"], parts["scratch"], desk.lists, hulls,
+            *(desk.bounces if bounces else ()),
         )  # fmt: skip
-        return soft_entry.book_of(*kept), kept
+        return soft_book.book_of(*kept), kept
 
     def items(self) -> Iterator[tuple[str, AnyArray]]:
         """Names and blocks."""

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction.batch.blocks import Blocks, Desk
-from stiction.core import jit, soft_entry, soft_step, state
+from stiction.core import soft_entry, soft_step
 from stiction.crew import Helpers
+from stiction.soft_store import Needs
 from stiction.store import announce_compilation
 
 AnyArray = NDArray[Any]
@@ -18,16 +19,6 @@ TURNS = 4
 """Ranges of worlds for each worker: small ones share the work better, but each costs a call of 5 us."""
 AT_ONCE = 2_000_000
 """Bodies times steps times worlds in one go at most, so that Ctrl-C is heard within a second or two."""
-
-
-class Needs(NamedTuple):
-    """What has to be compiled into the step: 1, or None for what no world has."""
-
-    boxes_meet: int | None
-    hulls: int | None
-    bounces: int | None
-    rolls: int | None
-    laws: int | None
 
 
 class Failure(NamedTuple):
@@ -44,7 +35,7 @@ class Workers:
     def __init__(self, threads: int, blocks: Blocks) -> None:
         self.threads = threads
         self._one = blocks.dtype(1.0)
-        self._outcomes = np.zeros((blocks.worlds, soft_entry.OUTCOME_WIDTH), np.int64)
+        self._outcomes = np.zeros((blocks.worlds, soft_step.OUTCOME_WIDTH), np.int64)
         self._contacts, self._blocks = 32, 0
         self._desks: list[Desk] = []
         self._helpers = Helpers(threads - 1)
@@ -73,20 +64,20 @@ class Workers:
         while steps:
             now = min(steps, at_once)
             outcomes = self._outcomes
-            outcomes[:, soft_entry.TAKEN] = np.where(stopped, now, 0)
-            outcomes[:, soft_entry.REASON] = soft_step.DONE
+            outcomes[:, soft_step.TAKEN] = np.where(stopped, now, 0)
+            outcomes[:, soft_step.REASON] = soft_step.DONE
             while True:
                 self._go_round(now, blocks, table, settings, hulls, needs)
-                reasons = outcomes[:, soft_entry.REASON]
+                reasons = outcomes[:, soft_step.REASON]
                 for world in np.flatnonzero(reasons == soft_step.BLOWN_UP).tolist():
-                    done = int(outcomes[world, soft_entry.TAKEN])
-                    failures.append(Failure(world, int(outcomes[world, soft_entry.NUMBER]), int(taken[world]) + done))
+                    done = int(outcomes[world, soft_step.TAKEN])
+                    failures.append(Failure(world, int(outcomes[world, soft_step.NUMBER]), int(taken[world]) + done))
                     stopped[world] = True
                     taken[world] += done - now
                     outcomes[world] = now, soft_step.DONE, 0
                 if not (reasons != soft_step.DONE).any():
                     break
-                self._make_room(blocks, reasons, outcomes[:, soft_entry.NUMBER])
+                self._make_room(blocks, reasons, outcomes[:, soft_step.NUMBER])
             taken += np.where(frozen, 0, now)
             frozen |= stopped
             steps -= now
@@ -97,7 +88,7 @@ class Workers:
         pairs = numbers[reasons == soft_step.MORE_PAIRS]
         if len(pairs):
             needed = int(pairs.max())
-            blocks.grow(needed + needed // 4 + 1)
+            blocks.grow(needed + needed // 8)
         wanted = numbers[reasons == soft_step.MORE_BLOCKS]
         if len(wanted):
             self._blocks = int(wanted.max()) + int(wanted.max()) // 4 + 1
@@ -111,18 +102,15 @@ class Workers:
     ) -> None:
         """Every worker takes ranges of worlds, one after the other, until none is left."""
         worlds = blocks.worlds
-        if jit.config.DISABLE_JIT:
-            self._in_plain_python(steps, blocks, table, settings, hulls, needs)
-            return
         width = -(-worlds // (self.threads * TURNS)) if self.threads > 1 else worlds
         starts = iter(range(0, worlds, width))
         books = self._books(blocks, table, settings, hulls, needs.bounces is not None)
 
-        def work(book: NDArray[np.int64]) -> None:
+        def work(book: Any) -> None:
             for first in starts:
                 soft_entry.soft_step(
-                    steps, blocks.n, book, first, min(first + width, worlds), self._outcomes, self._one,
-                    needs.boxes_meet, needs.hulls, needs.bounces, needs.rolls, needs.laws, None, None,
+                    steps, blocks.n, book, first, min(first + width, worlds), self.desk.together, self._outcomes,
+                    self._one, *needs, None,
                 )  # fmt: skip
 
         helpers = [self._helpers.pool().submit(work, book) for book, _ in books[1:]] if width < worlds else []
@@ -139,30 +127,3 @@ class Workers:
         if self._written is None or self._written[0] != names:
             self._written = names, [blocks.book(desk, table, settings, hulls, bounces) for desk in self._desks]
         return self._written[1]
-
-    def _in_plain_python(
-        self, steps: int, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, needs: Needs
-    ) -> None:
-        """The same without compilation, for debugging."""
-        desk = self.desk
-        for world, outcome in enumerate(self._outcomes):
-            left = steps - int(outcome[soft_entry.TAKEN])
-            if left <= 0:
-                continue
-            p = blocks.of_world(world, desk)
-            numbers = settings[world] if settings.ndim > 1 else settings
-            reason, done, number = soft_step.take_steps(
-                left, p["bodies"], p["kinds"], blocks.n, p["tree"], p["cache"], p["soft"], p["scratch"],
-                table[world] if table.ndim > 3 else table, _settings(numbers), p["ledger"], desk.cycles,
-                needs.boxes_meet, hulls if needs.hulls else None, desk.bounces if needs.bounces else None, needs.rolls,
-                needs.laws, None, None,
-            )  # fmt: skip
-            outcome[:] = outcome[soft_entry.TAKEN] + done, reason, number
-
-
-def _settings(numbers: AnyArray) -> state.Settings:
-    """The constants of a call, from their row."""
-    x, y, z, dt, iterations, threshold, literal, substeps, sleeping, tolerance = numbers.tolist()
-    return state.Settings(
-        x, y, z, dt, int(iterations), threshold, literal != 0.0, int(substeps), sleeping != 0.0, tolerance
-    )

@@ -17,12 +17,11 @@ COLOURS = 63
 
 @jit
 def colour_manifolds(active, m, kinds, used, sizes):
-    """Give each of the m active manifolds (rows: a, b, slot, colour) its colour; returns the number of blocks.
+    """Give each of the m active manifolds (rows: a, b, slot, colour) its colour, and count it in ``sizes``
+    (COLOURS + 1,). ``used`` (n,) int64 is scratch.
 
-    ``used`` (n,) int64 is scratch, ``sizes`` (COLOURS + 1,) gets the number of manifolds of each colour.
+    Colours in use come first: whoever has one has neighbours with all lower ones.
     """
-    for c in range(COLOURS + 1):
-        sizes[c] = 0
     for k in range(m):
         a, b = active[k, 0], active[k, 1]
         used[a] = used[b] = 0
@@ -37,30 +36,61 @@ def colour_manifolds(active, m, kinds, used, sizes):
             used[b] |= 1 << c
         active[k, 3] = c
         sizes[c] += 1
+
+
+@jit
+def forget_colours(sizes):
+    """Count no manifold."""
+    c = 0
+    while c < COLOURS and sizes[c] > 0:
+        sizes[c] = 0
+        c += 1
+    sizes[COLOURS] = 0
+
+
+@jit
+def count_colours(sizes):
+    """How many colours are in use."""
+    colours = 0
+    while colours < COLOURS and sizes[colours] > 0:
+        colours += 1
+    return colours
+
+
+@jit
+def count_blocks(sizes):
+    """How many blocks so many manifolds of each colour fill."""
     blocks = sizes[COLOURS]
-    for c in range(COLOURS):
+    for c in range(count_colours(sizes)):
         blocks += (sizes[c] + LANES - 1) // LANES
     return blocks
 
 
 @jit
-def fill_blocks(active, m, sizes, starts, index, count):
-    """Write the rows of bodies and manifolds into the lanes of ``count`` blocks, colour by colour.
+def empty_blocks(sizes, starts, index, count):
+    """``count`` blocks with nobody in them, and where each colour begins.
 
     Rows count from 1: row 0 is nobody's, and fills the lanes that are left over.
     """
-    for i in range(3 * count):
+    for i in range(4 * count):
         for lane in range(LANES):
             index[i, lane] = 0
     place = 0
-    for c in range(COLOURS):
+    for c in range(count_colours(sizes)):
         starts[c] = place
         place += (sizes[c] + LANES - 1) // LANES * LANES
     starts[COLOURS] = place
+
+
+@jit
+def fill_blocks(active, m, starts, index, count, world, bodies, manifolds):
+    """Write the rows of bodies and manifolds of a world into the lanes of its colours; of those of several worlds,
+    which lie one after the other, it has so many."""
     for k in range(m):
         c = active[k, 3]
         i, lane = starts[c] // LANES, starts[c] % LANES
         starts[c] += 1 if c < COLOURS else LANES
-        index[i, lane] = active[k, 0] + 1
-        index[i + count, lane] = active[k, 1] + 1
-        index[i + 2 * count, lane] = active[k, 2] + 1
+        index[i, lane] = world * bodies + active[k, 0] + 1
+        index[i + count, lane] = world * bodies + active[k, 1] + 1
+        index[i + 2 * count, lane] = world * manifolds + active[k, 2] + 1
+        index[i + 3 * count, lane] = world

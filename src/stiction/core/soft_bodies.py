@@ -113,24 +113,23 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
 
 @jit
 def move_rows(moving, first, end, glide, normals, rows, aux, h, last):
-    """Displace the bodies moving[first:end] by a substep, and start the next one unless this was the last.
+    """Displace the rows moving[first:end] by a substep, and start the next one unless this was the last.
 
     The next one starts from v' + (v' - v): gravity, forces and impulses of this substep act again (see ``solve.soft``).
     """
     for k in range(first, end):
-        i = moving[k]
-        r = i + 1
+        r = moving[k]
         new, old = load_part(rows, r, s.ROW_V), load_part(aux, r, s.AUX_OLD_V)
         store_part(rows, r, s.ROW_D, load_part(rows, r, s.ROW_D) + new * h)
-        if glide[i] == FALLS:
-            a = Vec3(normals[i, 0], normals[i, 1], normals[i, 2])
+        if glide[r] == FALLS:
+            a = Vec3(normals[r, 0], normals[r, 1], normals[r, 2])
             put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) - a * (0.5 * h * h))
-        elif glide[i] != NO_GLIDE:
-            n = Vec3(normals[i, 0], normals[i, 1], normals[i, 2])
+        elif glide[r] != NO_GLIDE:
+            n = Vec3(normals[r, 0], normals[r, 1], normals[r, 2])
             dv = wide(vec3(aux, r, s.AUX_OLD_V) - vec3(rows, r, s.ROW_V))
             dw = wide(vec3(aux, r, s.AUX_OLD_W) - vec3(rows, r, s.ROW_W))
             put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) + (dv - n * dot(n, dv)) * (0.5 * h))
-            turn = dw if glide[i] == ROLLS else n * dot(n, dw)
+            turn = dw if glide[r] == ROLLS else n * dot(n, dw)
             put_vec3(rows, r, s.ROW_TURN, vec3(rows, r, s.ROW_TURN) + turn * (0.5 * h))
         if not last:
             store_part(rows, r, s.ROW_V, new + (new - old))

@@ -136,7 +136,7 @@ class Soft(NamedTuple):
     meta: np.ndarray  # (p + 1, META_WIDTH) float64
     reports: np.ndarray  # (p + 1, REPORT_WIDTH)
     blocks: np.ndarray  # (blocks x FIELDS, 8)
-    members: np.ndarray  # (3 x blocks, 8) int32: rows of bodies a and b, and of the manifold
+    members: np.ndarray  # (4 x blocks, 8) int32: rows of bodies a and b, and of the manifold; the world
     rows: np.ndarray  # (n + 1, ROW_WIDTH)
     aux: np.ndarray  # (n + 1, AUX_WIDTH)
     pose: np.ndarray  # (n + 1, POSE_WIDTH) float64
@@ -152,7 +152,7 @@ def make_soft(n: int, p: int, dtype: type = np.float32) -> Soft:
         meta=np.zeros((p + 1, META_WIDTH)),
         reports=np.zeros((p + 1, REPORT_WIDTH), dtype),
         blocks=np.zeros((blocks * FIELDS, LANES), dtype),
-        members=np.zeros((3 * blocks, LANES), np.int32),
+        members=np.zeros((4 * blocks, LANES), np.int32),
         rows=np.zeros((n + 1, ROW_WIDTH), dtype),
         aux=np.zeros((n + 1, AUX_WIDTH), dtype),
         pose=np.zeros((n + 1, POSE_WIDTH)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stiction.core.clock import lap
-from stiction.core.colouring import COLOURS
+from stiction.core.colouring import COLOURS, count_colours
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
@@ -90,12 +90,7 @@ def run_passes(
 def count_rounds(sizes, team):
     """Colours in use, and one for the manifolds that have none; a leader that is alone takes all blocks in one
     round."""
-    if team is None:
-        return 1
-    colours = 0
-    while colours < COLOURS and sizes[colours] > 0:
-        colours += 1
-    return colours + 1
+    return 1 if team is None else count_colours(sizes) + 1
 
 
 @jit

@@ -6,7 +6,7 @@ from stiction.core import soft_rows as s
 from stiction.core.friction.laws import force_in_plane
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
-from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, ROLLING_LOSS
+from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, LEDGER_WIDTH, ROLLING_LOSS
 from stiction.core.vec import Vec3, cross, put_vec3
 
 LEAST_LIFT = 1e-9
@@ -14,24 +14,26 @@ LEAST_LIFT = 1e-9
 
 
 @jit
-def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledger, laws):
+def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledgers, failed, laws):
     """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
-    A lane that was padded names the manifold of nobody.
+    All rows are those of several worlds; of one that has ``failed`` nothing is stored. A lane that was padded names the
+    manifold of nobody.
     """
     for i in range(count):
         o = i * s.FIELDS
         for lane in range(LANES):
-            row = index[i + 2 * count, lane]
-            if row > 0:
+            row, world = index[i + 2 * count, lane], index[i + 3 * count, lane]
+            if row > 0 and not failed[world]:
                 slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
                 scale = blocks[o + s.B_SCALE, lane] * 1.0
                 store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws)
                 friction, rolling = blocks[o + s.B_WORK, lane] * scale, blocks[o + s.B_ROLLED, lane] * scale
-                ledger[FRICTION] += friction
-                ledger[ROLLING_LOSS] += rolling
+                ledgers[LEDGER_WIDTH * world + FRICTION] += friction
+                ledgers[LEDGER_WIDTH * world + ROLLING_LOSS] += rolling
                 if slid or rolling > 0.0:
-                    a, b = index[i, lane] - 1, index[i + count, lane] - 1
+                    # the solver's rows begin with nobody's in each world
+                    a, b = index[i, lane] - 1 - world, index[i + count, lane] - 1 - world
                     both = bodies[a, INVERSE_MASS] > 0.0 and bodies[b, INVERSE_MASS] > 0.0
                     share = (friction + rolling) * (0.5 if both else 1.0)
                     if bodies[a, INVERSE_MASS] > 0.0:

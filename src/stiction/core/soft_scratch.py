@@ -1,0 +1,81 @@
+"""What a step of the soft solver keeps beside the rows: lists of a world, and the desk at which a worker takes steps.
+
+What a world remembers is its :class:`Scratch`. What a step fills before it reads it is on the :class:`Desk`: many
+worlds are stepped at one.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from stiction.core.colouring import COLOURS
+from stiction.core.solve.exact import TALLY
+from stiction.core.state import CONTACT_WIDTH, SCRATCH, TAGS_WIDTH
+
+AWAKE, EDITED, BODY_LISTS = range(3)
+"""Rows of the lists of bodies that a world keeps: those awake, and those that were changed from outside."""
+
+N_AWAKE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, BLOCKS, COUNTS = range(9)
+"""Entries of the counts: bodies awake, bodies changed from outside, bodies seen before; whether the list of those awake
+is out of date; steps so far; whether bodies that sleep may have been changed without a word; whether a light body
+carries a heavy one; blocks of the last step."""
+
+TOUCHING, MOVING, MARK, GLIDE, USED, GROUP, RESTLESS, LISTS = range(8)
+"""Rows of the lists on a desk: the bodies in contact, by world; the rows of those of them that move; a mark for each
+body in contact, by world; how each row moves; scratch of colouring, of islands and of sleep."""
+
+ROLE, FROM, ACTIVE, TAKING_PART, TOUCH, SUBSTEPS, FRESH, BOUNCING, NOTES = range(9)
+"""What is noted of a world in the middle of a step: whether it waits (NOBODY: it does not); where its active manifolds
+begin in the list and how many they are; how many bodies are awake, and how many in contact; substeps; which manifolds
+are new; points that bounce."""
+
+PAIR_CONTACTS = 8
+"""Room for the contact points of one pair."""
+
+
+class Scratch(NamedTuple):
+    """What the soft step remembers of a world of n bodies."""
+
+    bodies: np.ndarray  # (BODY_LISTS, n) int64
+    counts: np.ndarray  # (COUNTS,) int64
+    tally: np.ndarray  # (TALLY,) of the exact solver
+
+
+class Desk(NamedTuple):
+    """Lists of a step of some worlds, of n bodies and p pairs each."""
+
+    active: np.ndarray  # (worlds x p, 4) int64: a, b, slot, colour of the manifolds with points
+    lists: np.ndarray  # (LISTS, worlds x (n + 1)) int64
+    normals: (
+        np.ndarray
+    )  # (worlds x (n + 1), 3) of the plane in which a row glides, or the acceleration with which it falls
+    sizes: np.ndarray  # (2 (COLOURS + 1),) int64: manifolds of each colour, and where they begin
+    notes: np.ndarray  # (worlds, NOTES) int64
+    failed: np.ndarray  # (worlds,) int64: whether a body's state would not be finite
+    contacts: np.ndarray  # scratch of one pair
+    tags: np.ndarray
+    points: np.ndarray
+
+
+def make_scratch(n: int) -> Scratch:
+    """Room for n bodies."""
+    scratch = Scratch(np.zeros((BODY_LISTS, n), np.int64), np.zeros(COUNTS, np.int64), np.zeros(TALLY))
+    scratch.counts[STALE] = 1
+    return scratch
+
+
+def make_desk(n: int, p: int, worlds: int = 1) -> Desk:
+    """Room for so many worlds of n bodies and p pairs."""
+    return Desk(
+        active=np.zeros((worlds * p, 4), np.int64),
+        lists=np.zeros((LISTS, worlds * (n + 1)), np.int64),
+        normals=np.zeros((worlds * (n + 1), 3)),
+        sizes=np.zeros(2 * (COLOURS + 1), np.int64),
+        notes=np.zeros((worlds, NOTES), np.int64),
+        failed=np.zeros(worlds, np.int64),
+        contacts=np.zeros((PAIR_CONTACTS, CONTACT_WIDTH)),
+        tags=np.zeros((PAIR_CONTACTS, TAGS_WIDTH), np.int64),
+        points=np.zeros((SCRATCH, 5)),
+    )
