@@ -45,7 +45,7 @@ class Worker:
     def room(self, shape: tuple[int, ...]) -> Array:
         """Memory for the states of a batch: that of one that has been written, which is faster than new memory."""
         while self._free:
-            room = self._free.popleft()
+            room = self._free.pop()  # the last one that was read, of which most is in a cache
             if room.shape == shape:
                 return room
         return np.empty(shape)
