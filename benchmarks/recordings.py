@@ -42,8 +42,8 @@ def scene_of(name: str, sleeping: bool) -> Adapter:
 
 
 def cost(name: str, rounds: int, folder: Path, **options: object) -> dict[str, np.ndarray]:
-    """Of each turn, without and with recording, rows of ms of processor time a step: in the simulation's own thread, and
-    in all threads, what is left to write included."""
+    """Of each turn, without and with recording, rows of ms of processor time a step: in the simulation's own thread,
+    and in all threads, what is left to write included."""
     world = scene_of(name, False).world
     world.step(SETTLE)
     rows: dict[str, list[tuple[float, float]]] = {"without": [], "with": []}
