@@ -215,8 +215,9 @@ class FileWriter:
             ends.append(self._rows)
         plain["frames/contact_ends"].add(ends)
 
-    def commit(self, partial: bool) -> None:
-        """Write what was taken in, down to the system: pieces that are full, and the others if ``partial``.
+    def commit(self, partial: bool, least: float = 0.0) -> None:
+        """Write what was taken in, down to the system: pieces that are full, and the others if ``partial``, where more
+        than ``least``, a share of a piece, has come since.
 
         Raises:
             OutputError: the disk does not take it.
@@ -225,7 +226,7 @@ class FileWriter:
             for column in self._plain.values():
                 column.write()
             for packed in self._packed.values():
-                packed.write(partial)
+                packed.write(partial, least)
             lengths = {name: self._plain[name].length for name in layout.COUNTED}
             lengths["frames/steps"] = min(packed.length for packed in self._packed.values())
             self._commits.add([[lengths[name] for name in layout.COUNTED]])
