@@ -1,8 +1,9 @@
-"""What the live view sends: ``python benchmarks/view.py [--bodies N] [--seconds S]``, the table of docs/view.md.
+"""What the live view sends: ``python benchmarks/view.py [--bodies N] [--docs]``, the table of docs/view.md.
 
 A world of moving bodies is shown by the real server to a client that reads all it gets, in a process of its own. Frames
 are counted where they arrive: messages that set positions of bodies. In every second row another client is there that
-reads nothing: frames, simulated time and the memory of the server should stay as they are without it.
+reads nothing: frames, simulated time and the memory of the server should stay as they are without it. Processor time is
+told apart: of steps, of what the view does for a frame in its own thread, and of packing and sending it in viser's.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from docs_table import write_between
 
 import stiction as st
 from stiction.view.server import Viewer
@@ -93,7 +95,15 @@ def measure(name: str, count: int, seconds: float, stuck: bool) -> str:
     """A row of the table."""
     world = world_of(name, count)
     world.step(60)
-    session = LiveSession(world)
+    stepping = 0.0
+
+    def advance(steps: int) -> None:
+        nonlocal stepping
+        began = time.thread_time()
+        world.step(steps)
+        stepping += time.thread_time() - began
+
+    session = LiveSession(world, advance=advance)
     session.playing = True
     with Viewer(session, port=0) as viewer:
         clients = [start(viewer.port, seconds + 2.0, reads=True)]
@@ -101,10 +111,12 @@ def measure(name: str, count: int, seconds: float, stuck: bool) -> str:
         while viewer.clients < 1 + stuck:
             time.sleep(0.01)
         time.sleep(1.0)
+        clock = time.pthread_getcpuclockid(viewer._thread.ident or 0)
         sent, steps, held = viewer.sent, session.world.steps, memory()
-        began, cpu = time.perf_counter(), time.process_time()
+        began, cpu, own, stepped = time.perf_counter(), time.process_time(), time.clock_gettime(clock), stepping
         time.sleep(seconds)
         wall, spent = time.perf_counter() - began, time.process_time() - cpu
+        own, stepped = time.clock_gettime(clock) - own, stepping - stepped
         sent, steps, grown = viewer.sent - sent, session.world.steps - steps, memory() - held
         got = int(clients[0].communicate()[0])
         for client in clients:
@@ -112,7 +124,8 @@ def measure(name: str, count: int, seconds: float, stuck: bool) -> str:
             client.wait()
     return (
         f"| {name} | {count:,} | {'yes' if stuck else 'no'} | {sent / wall:.1f} | {got / (seconds + 2):.1f} | "
-        f"{steps * DT / wall:.2f} | {spent / wall:.2f} | {grown:+.1f} |"
+        f"{steps * DT / wall:.2f} | {1e3 * stepped / max(1, steps):.1f} | {1e3 * (own - stepped) / max(1, sent):.1f} | "
+        f"{1e3 * (spent - own) / max(1, sent):.1f} | {grown:+.1f} |"
     )
 
 
@@ -122,18 +135,27 @@ def main() -> None:
     parser.add_argument("--bodies", type=int, default=5000)
     parser.add_argument("--seconds", type=float, default=6.0)
     parser.add_argument("--scenes", default=",".join(SCENES))
+    parser.add_argument("--docs", action="store_true", help="write the table into docs/view.md")
     parser.add_argument("--client", nargs=3, help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.client:
         port, seconds, reads = given.client
         read(int(port), float(seconds), reads == "1")
         return
-    print(f"{platform.machine()}, {os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}\n")
-    columns = "bodies", "count", "another does not read", "sent/s", "read/s", "simulated s/s", "processors", "MB more"
-    print(f"| {' | '.join(columns)} |\n|{' --- |' * len(columns)}")
+    columns = (
+        "bodies", "count", "another does not read", "sent/s", "read/s", "simulated s/s", "ms a step",
+        "view, ms a frame", "sending, ms a frame", "MB more",
+    )  # fmt: skip
+    lines = [f"| {' | '.join(columns)} |", f"|{' --- |' * len(columns)}"]
+    print(*lines, sep="\n")
     for name in given.scenes.split(","):
         for stuck in (False, True):
-            print(measure(name, given.bodies, given.seconds, stuck), flush=True)
+            lines.append(measure(name, given.bodies, given.seconds, stuck))
+            print(lines[-1], flush=True)
+    lines += ["", f"{platform.machine()}, {os.cpu_count()} processors, load {os.getloadavg()[0]:.1f}."]
+    print(*lines[-2:], sep="\n")
+    if given.docs:
+        write_between("view.md", "sending", "\n".join(lines))
 
 
 if __name__ == "__main__":

@@ -24,6 +24,25 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
+def balance(state: Any, ledger: Array, kinetic: float, potential: float) -> Energy:
+    """The ledger of energy of a world, J.
+
+    Args:
+        state: the module :mod:`stiction.core.state`, which names the columns.
+        ledger: the engine's.
+        kinetic: J, now. potential: J, now.
+    """
+    entries = ledger.tolist()
+    initial, edits = entries[state.INITIAL], entries[state.EDITS]
+    if math.isnan(initial):
+        initial = kinetic + potential
+    else:
+        edits += kinetic + potential - entries[state.MECHANICAL]
+    friction, rolling, impacts = entries[state.FRICTION], entries[state.ROLLING_LOSS], entries[state.IMPACTS]
+    work, numerical = entries[state.WORK], entries[state.NUMERICAL]
+    return Energy(kinetic, potential, friction, rolling, impacts, work, edits, numerical, initial)
+
+
 class Accounts:
     """The accounts of a world: nothing here changes it but :meth:`profile`, which takes steps."""
 
@@ -67,16 +86,7 @@ class Accounts:
 
     def energy(self) -> Energy:
         """The ledger of energy, J."""
-        state, ledger = self._state, self._store.ledger.tolist()
-        kinetic, potential = self._store.energy(self._gravity)
-        initial, edits = ledger[state.INITIAL], ledger[state.EDITS]
-        if math.isnan(initial):
-            initial = kinetic + potential
-        else:
-            edits += kinetic + potential - ledger[state.MECHANICAL]
-        friction, rolling, impacts = ledger[state.FRICTION], ledger[state.ROLLING_LOSS], ledger[state.IMPACTS]
-        work, numerical = ledger[state.WORK], ledger[state.NUMERICAL]
-        return Energy(kinetic, potential, friction, rolling, impacts, work, edits, numerical, initial)
+        return balance(self._state, self._store.ledger, *self._store.energy(self._gravity))
 
     def _note_friction(self, index: int, lost: float) -> None:
         """Enter into the ledger what friction takes (J) from body ``index`` by forces that are applied from outside.

@@ -11,7 +11,8 @@ class Energy(NamedTuple):
     Attributes:
         kinetic, potential: of all dynamic bodies now; heights are measured from the origin along gravity.
         friction, rolling, impacts: what sliding friction, rolling and torsional resistance, and the normal part of
-            collisions have dissipated so far.
+            collisions have dissipated so far. With ``soft``, impacts hold what the springs of contacts keep or give
+            back, too, and so may fall and lie a little below zero: see :attr:`given_back`.
         work: what applied forces and torques, kinematic bodies and moving surfaces have put in so far.
         edits: what adding, moving or pushing bodies from outside has changed since the first step.
         numerical: what the integrator and the removal of penetrations have made (or, negative, lost) so far.
@@ -32,6 +33,17 @@ class Energy(NamedTuple):
     def dissipated(self) -> float:
         """Friction, rolling and impacts together, J."""
         return self.friction + self.rolling + self.impacts
+
+    @property
+    def given_back(self) -> float:
+        """What soft contacts have given back beyond what impacts took, J: ``-impacts`` where that is below zero by more
+        than rounding, and 0 otherwise.
+
+        A penetration is a spring. What sinks in at an impact, or because its load grows, comes out later, and the
+        account of impacts does not know beforehand how much of a loss will be returned.
+        """
+        rounding = 1e-9 * (abs(self.kinetic) + abs(self.potential) + abs(self.initial) + abs(self.work))
+        return -self.impacts if self.impacts < -rounding else 0.0
 
     @property
     def residual(self) -> float:

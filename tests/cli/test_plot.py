@@ -33,11 +33,21 @@ def test_a_recording_is_drawn_and_run_again_where_it_must_be(
     assert call(monkeypatch, "run", "pull", *SHORT, "--record", "run.h5") == 0
     assert call(monkeypatch, "plot", "run.h5", "cone", "run=x.pdf", "--body", "crate") == 0
     assert (tmp_path / "run-cone.png").exists() and (tmp_path / "x.pdf").exists()
-    capsys.readouterr()
-    assert call(monkeypatch, "plot", "run.h5", "energy") == 2
-    assert "unless --repeat is given" in capsys.readouterr().err
-    assert call(monkeypatch, "plot", "run.h5", "energy", "--repeat") == 0
-    assert (tmp_path / "run-energy.png").exists()
+    assert call(monkeypatch, "plot", "run.h5", "hodograph", "--repeat") == 0
+    assert (tmp_path / "run-hodograph.png").exists()
+
+
+def test_figures_of_what_is_recorded_run_nothing_again(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name, *options in (("bare",), ("contacts", "--record-contacts")):
+        assert call(monkeypatch, "run", "pull", *SHORT, "--record", f"{name}.h5", *options) == 0
+    monkeypatch.setattr("stiction.store.Store.step", lambda *_: pytest.fail("something ran"))
+    assert call(monkeypatch, "plot", "bare.h5", *(kind for kind in KINDS if not KINDS[kind].contacts)) == 0
+    assert {path.name for path in tmp_path.glob("bare-*.png")} == {"bare-energy.png", "bare-hodograph.png"}
+    assert call(monkeypatch, "plot", "contacts.h5", *KINDS) == 0
+    assert len(list(tmp_path.glob("contacts-*.png"))) == len(KINDS)
 
 
 def test_kinds_are_listed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

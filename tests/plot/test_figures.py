@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
 
 import stiction as st
 from stiction import Motion
@@ -15,6 +17,7 @@ from stiction.plot import Track, cone, draw, energy, hodograph, load, network, o
 from stiction.plot.points import contact_points, faces
 from stiction.plot.pull import contact_forces, pulling_force
 from stiction.plot.run import body_forces
+from stiction.plot.track import thinned
 from stiction.scene import Simulation
 from stiction.scene import load as load_scene
 from stiction.verify.setups import delay
@@ -198,6 +201,25 @@ def test_the_parts_of_the_ledger_add_up_to_what_was_put_in() -> None:
     assert put_in[-1] == pytest.approx(4 * 20.0 * 1.5**2, rel=2e-3)
     assert layers["friction"][-1] == pytest.approx(0.5 * put_in[-1], rel=2e-3)
     assert layers["potential"].min() == 0.0
+
+
+def test_what_soft_contacts_give_back_is_shown_below_zero_and_said() -> None:
+    run = track("pull", "duration=0.1")
+    assert run.energies is not None
+    # a body of 10 J whose contacts have given back 2 J, and took 1 J in the end
+    ledgers = [st.Energy(10.0 - impacts, 0.0, 0.0, 0.0, impacts, 0.0, 0.0, 0.0, 10.0) for impacts in (0.0, -2.0, 1.0)]
+    assert [ledger.given_back for ledger in ledgers] == [0.0, 2.0, 0.0]
+    assert st.Energy(10.0, 0.0, 0.0, 0.0, -1e-12, 0.0, 0.0, 0.0, 10.0).given_back == 0.0, "that is rounding"
+    times = np.array([0.0, 1.0, 2.0])
+    frames = thinned(run.frames, len(run.frames))
+    frames = replace(frames, times=times)
+    (axes,) = draw("energy", replace(run, frames=frames, energies=np.array(ledgers))).axes
+    assert "given back up to 2 J more than impacts took" in axes.get_title(loc="left")
+    kinetic = next(area for area in axes.collections if to_hex(area.get_facecolor()[0]) == energy.LAYERS["kinetic"])
+    (outline,) = kinetic.get_paths()
+    at_one = outline.vertices[outline.vertices[:, 0] == 1.0, 1]
+    assert (at_one.min(), at_one.max()) == (-2.0, 10.0)
+    assert axes.get_ylim()[0] < -2.0
 
 
 # --- contact network --------------------------------------------------------------------------------------------------

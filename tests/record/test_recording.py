@@ -96,6 +96,30 @@ def test_energies_are_those_of_the_world(tmp_path: Path) -> None:
         assert len(recording.hashes) == 41
 
 
+def test_energies_follow_what_changes_on_the_way(tmp_path: Path) -> None:
+    world, expected = tower(), []
+    crate = world.bodies[2]
+
+    def turn() -> None:
+        world.velocities[3, 0] += 1.0
+        world.step(5)
+        expected.append(world.energy())
+
+    with world.record(tmp_path / "run.h5", every=5):
+        changes = [
+            lambda: None, lambda: setattr(crate, "mass", 5.0), lambda: setattr(crate, "inertia", 7.0 * crate.inertia),
+            lambda: world.add(st.Box((1, 1, 1)), position=(5, 0, 3), angular_velocity=(1, 2, 3)),
+            lambda: setattr(world, "gravity", (1.0, 0.0, -5.0)), lambda: world.remove(world.bodies[1]),
+        ]  # fmt: skip
+        for change in changes:
+            change()
+            turn()
+    with st.Recording.open(tmp_path / "run.h5") as recording:
+        assert [st.Energy(*row) for row in recording.energies.tolist()][1:] == expected
+        assert len({row.kinetic for row in expected}) == len(changes)
+        assert recording.check().same
+
+
 def test_a_body_or_time_that_is_not_there_is_refused(path: Path) -> None:
     with st.Recording.open(path) as recording:
         with pytest.raises(InvalidInputError, match=r"^no body is called 'box 33' \(did you mean 'box 3'\?\)\.$"):

@@ -27,8 +27,8 @@ def plot(
         bool,
         typer.Option(
             "--repeat",
-            help="Run the scene again, for what the recording lacks: energies, every step (without "
-            "recorded contacts it is run again in any case).",
+            help="Run the scene again, for every step instead of the recorded frames (figures of contacts that "
+            "were not recorded run it again in any case).",
         ),
     ] = False,
     list_: Annotated[bool, typer.Option("--list", help="List the kinds of figures.")] = False,
@@ -40,7 +40,8 @@ def plot(
     Examples:
       stiction run stick-slip --record run.h5
       stiction plot run.h5 raster phase=phase.svg
-      stiction plot run.h5 energy --repeat
+      stiction plot run.h5 energy
+      stiction plot run.h5 hodograph --repeat
       stiction plot --list
     """
     from stiction.plot import KINDS, from_recording, observe
@@ -58,18 +59,20 @@ def plot(
     for figure in chosen:
         if figure.kind.energies and track.energies is None and not repeat:
             raise InvalidInputError(
-                f"figures must not hold {figure.kind.name!r} unless --repeat is given: a recording has no energies; "
-                f"its scene, run again, tells them."
+                f"figures must not hold {figure.kind.name!r} unless --repeat is given: a recording of format 1 has no "
+                f"energies; its scene, run again, tells them."
             )
     # most figures are of contacts, which a recording has only where they were asked for
-    if repeat or not track.frames.meta.get("contacts", True):
+    lacking = repeat or not track.frames.meta.get("contacts", True)
+    again = [figure for figure in chosen if lacking and (repeat or figure.kind.contacts)]
+    write([figure for figure in chosen if figure not in again], track, body)
+    if again:
         from stiction.record.hdf5 import restore
 
         seconds = float(track.frames.times[-1]) if len(track.frames) > 1 else None
         simulation = restore(recording)
         with progress(track.frames.title, dt=simulation.world.dt) as on_progress:
-            track = observe(simulation, seconds, on_progress=on_progress)
-    write(chosen, track, body)
+            write(again, observe(simulation, seconds, on_progress=on_progress), body)
 
 
 def _list(as_json: bool) -> None:

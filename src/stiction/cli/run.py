@@ -160,10 +160,11 @@ def _print_table(simulation: Simulation, rows: list[Any], wall: float) -> None:
     out.print(f"[italic]{scene.expect}[/]")
     out.print(made)
     energy = world.energy()
+    given_back = " (soft contacts have given back more than impacts took)" if energy.given_back else ""
     out.print(
         f"{world.steps} steps of {world.dt:.4g} s with solver {world.solver!r} in {wall:.2f} s; friction took "
-        f"{energy.friction:.4g} J, rolling resistance {energy.rolling:.4g} J, impacts {energy.impacts:.4g} J; "
-        f"the ledger closes to {abs(energy.residual):.1e} J."
+        f"{energy.friction:.4g} J, rolling resistance {energy.rolling:.4g} J, impacts {energy.impacts:.4g} "
+        f"J{given_back}; the ledger closes to {abs(energy.residual):.1e} J."
     )
     report = world.report()
     if any(report.limit_hits):

@@ -33,8 +33,8 @@ KILO_FROM = 5000.0
 def parts(energies: Array) -> tuple[dict[str, Array], Array]:
     """Parts of the ledger (f,) in J by name, and what was put in (f,), which is their sum.
 
-    Potential energy is counted from its lowest value; the same is taken off what was put in. So is what the integrator
-    has made, ``numerical``, and what a part has lost below zero.
+    Potential energy is counted from its lowest value; the same is taken off what was put in. What the integrator has
+    made, ``numerical``, counts as put in. Impacts may be below zero, see :attr:`stiction.Energy.given_back`.
 
     Args:
         energies: (f, 9) J, rows of :class:`stiction.reports.Energy`.
@@ -48,7 +48,8 @@ def parts(energies: Array) -> tuple[dict[str, Array], Array]:
 
 
 def draw(track: Track, bodies: list[str] | None) -> Figure:
-    """The figure: the parts of the ledger stacked, and a line of what was put in, on which they must end.
+    """The figure: the parts of the ledger stacked, and a line of what was put in, on which they must end. Where impacts
+    are below zero, the stack begins there.
 
     Args:
         track: the run, with energies.
@@ -66,16 +67,24 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
 
     figure = canvas.sheet(track.frames.title)
     axes = canvas.dress(figure.add_subplot())
+    lowest = 0.0
     if shown:
-        colors = [LAYERS[key] for key in shown]
-        axes.stackplot(times, *(np.maximum(layer, 0.0) / unit for layer in shown.values()), colors=colors, lw=0)
+        colors = ["none", *(LAYERS[key] for key in shown)]
+        base = np.sum([np.minimum(layer, 0.0) for layer in shown.values()], axis=0)
+        axes.stackplot(
+            times, base / unit, *(np.maximum(layer, 0.0) / unit for layer in shown.values()), colors=colors, lw=0
+        )
+        lowest = min(0.0, 1.08 * float(base.min()) / unit)
     axes.plot(times, put_in / unit, color=style.INK, lw=1.6, ls=(0, (5, 2)))
     axes.set_xlim(times[0], times[-1] if times[-1] > times[0] else times[0] + 1.0)
-    axes.set_ylim(0.0, 1.08 * top / unit)
+    axes.set_ylim(lowest, 1.08 * top / unit)
     axes.set_xlabel("time (s)")
     axes.set_ylabel(f"energy ({name})")
-    worst = float(np.abs([Energy(*row).residual for row in track.energies]).max())
-    axes.set_title(f"the ledger closes to {worst:.1g} J", loc="left", fontsize=10.5, color=style.MUTED_INK)
+    ledgers = [Energy(*row) for row in track.energies.tolist()]
+    words = f"the ledger closes to {max(abs(ledger.residual) for ledger in ledgers):.1g} J"
+    if given_back := max(ledger.given_back for ledger in ledgers):
+        words += f"; soft contacts have given back up to {given_back:.2g} J more than impacts took"
+    axes.set_title(words, loc="left", fontsize=10.5, color=style.MUTED_INK)
     handles = [Patch(color=LAYERS[key], lw=0, label=key) for key in reversed(shown)]
     canvas.legend(figure, [*handles, Line2D([], [], color=style.INK, lw=1.6, ls=(0, (5, 2)), label="put in")])
     return figure

@@ -26,6 +26,7 @@ class Kind:
         most: how many bodies may be named, if not as many as there are.
         fine: it wants every step, for it looks at the moment when something lets go.
         energies: it needs the ledger of energy.
+        contacts: it needs contact points, or what bodies are doing, which is known from them.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Kind:
     most: int | None = None
     fine: bool = False
     energies: bool = False
+    contacts: bool = True
 
     def check_bodies(self, bodies: list[str] | None, known: list[str]) -> None:
         """Whether bodies of these names can be shown.
@@ -66,10 +68,10 @@ KINDS = {
         Kind("cone", "the friction cone with the impulses of every contact in it", cone.draw),
         Kind(
             "hodograph", "speed of sliding against speed of turning, and where their ratio goes", hodograph.draw,
-            hodograph.MOST_BODIES, fine=True,
+            hodograph.MOST_BODIES, fine=True, contacts=False,
         ),
         Kind("raster", "which contacts stick and which slip, over time", raster.draw),
-        Kind("energy", "the ledger of energy over time", energy.draw, most=0, energies=True),
+        Kind("energy", "the ledger of energy over time", energy.draw, most=0, energies=True, contacts=False),
         Kind("phase", "speed against place: the phase portrait of each body", phase.draw, phase.MOST_BODIES, fine=True),
         Kind("network", "the contacts of a heap and the loads in them, at the end", network.draw),
     )

@@ -126,21 +126,25 @@ def observe(
 
 
 def from_recording(path: str | Path) -> Track:
-    """The track that a recording holds: no energies, as many frames as it has, and contacts where they were recorded.
+    """The track that a recording holds: as many frames as it has, their energies (but for format 1, which has none),
+    and contacts where they were recorded.
 
     Raises:
         InvalidInputError: there is no such file, or it is no recording.
     """
-    from stiction.record.hdf5 import load_frames
     from stiction.record.recording import Recording
 
-    frames = load_frames(path)
-    if "scene" in frames.meta:
-        world = Scene.from_dict(frames.meta["scene"], str(frames.meta["scene_name"])).build()
-    else:
-        with Recording.open(path) as recording:
-            world = recording.world(0)
-    return Track(frames, world.materials.pair, world.gravity)
+    with Recording.open(path) as recording:
+        frames = recording.frames()
+        if "scene" in frames.meta:
+            world = Scene.from_dict(frames.meta["scene"], str(frames.meta["scene_name"])).build()
+        else:
+            world = recording.world(recording.first_step)
+        energies = None
+        if recording.format_version > 1:
+            rows = recording.energies
+            energies = np.column_stack([rows[name] for name in Energy._fields])
+    return Track(frames, world.materials.pair, world.gravity, energies)
 
 
 def thinned(frames: Frames, every: int) -> Frames:

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from stiction.record.layout import FRAME_TYPES, HALF_MAX, HALF_MIN, QUATERNION_SCALE
 
-PIECE_NUMBERS = 1 << 16
-"""Bodies times frames of a piece of a frame array, about."""
+PIECE_NUMBERS = 1 << 14
+"""Bodies times frames of a piece of a frame array, about: larger ones deflate no better, and are full later."""
 PIECE_FRAMES = (4, 64)
 """Frames of a piece at least and at most."""
 PIECE_BODIES = 256
@@ -87,9 +87,14 @@ class PackedColumn:
         self._waiting.append(rows)
         self._count += len(rows)
 
-    def write(self, partial: bool) -> None:
-        """Write all pieces that are full, and, if ``partial``, the last one as well."""
-        if self._count < self.rows and not (partial and self._count > self._partial):
+    def write(self, partial: bool, least: float = 0.0) -> None:
+        """Write all pieces that are full, and, if ``partial``, the last one as well, once it has grown by more than
+        ``least``, a share of a piece.
+        """
+        left = self._count % self.rows
+        new = left - (self._partial if left == self._count else 0)
+        partial = partial and new > least * self.rows
+        if self._count < self.rows and not partial:
             return
         rows = np.concatenate([self._padded(part) for part in self._waiting])
         whole = len(rows) // self.rows * self.rows

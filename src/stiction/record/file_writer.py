@@ -16,14 +16,18 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction.accounts import balance
 from stiction.contacts import CONTACT_DTYPE, contact_rows
+from stiction.core import state as columns
+from stiction.core import step as kernels
 from stiction.errors import OutputError
-from stiction.hashing import PARTS, Fingerprint
+from stiction.hashing import PARTS, STATE_WIDTH, Fingerprint
 from stiction.record import layout
 from stiction.record.classify import judge
 from stiction.record.columns import LEVEL, PackedColumn, PlainColumn, encode, piece_rows
 from stiction.record.inputs import KINDS, TEXT
 from stiction.record.recorder import WIDTHS
+from stiction.reports import Energy
 from stiction.snapshot import Snapshot
 
 Array = NDArray[np.float64]
@@ -36,13 +40,16 @@ class Moment(NamedTuple):
     """What a frame has besides the state.
 
     Attributes:
-        energy: nine numbers, J, as :data:`stiction.record.layout.ENERGY_FIELDS` names them.
+        ledger: the engine's ledger of energy. gravity: (3,) m/s^2.
+        rows: (n, width) the engine's rows of bodies with masses and inertias, into which the state will be put.
         contacts: the engine's rows of contact points, see :func:`stiction.contacts.contact_rows`; None if they are not
             kept.
         fixed: (n,) which bodies do not move by themselves; None with them.
     """
 
-    energy: tuple[float, ...]
+    ledger: Array
+    gravity: Array
+    rows: Array
     contacts: tuple[Array, NDArray[np.int64]] | None
     fixed: NDArray[np.bool_] | None
 
@@ -194,7 +201,7 @@ class FileWriter:
         plain["frames/steps"].add(steps)
         plain["frames/times"].add([step * self._dt for step in steps])
         moments = [batch.frames[step] for step in steps]
-        plain["frames/energy"].add([moment.energy for moment in moments])
+        plain["frames/energy"].add([energy_of(moment, state) for moment, state in zip(moments, states, strict=True)])
         ends = []
         for moment, state in zip(moments, states, strict=True):
             if moment.contacts is not None and moment.fixed is not None:
@@ -208,8 +215,9 @@ class FileWriter:
             ends.append(self._rows)
         plain["frames/contact_ends"].add(ends)
 
-    def commit(self, partial: bool) -> None:
-        """Write what was taken in, down to the system: pieces that are full, and the others if ``partial``.
+    def commit(self, partial: bool, least: float = 0.0) -> None:
+        """Write what was taken in, down to the system: pieces that are full, and the others if ``partial``, where more
+        than ``least``, a share of a piece, has come since.
 
         Raises:
             OutputError: the disk does not take it.
@@ -218,7 +226,7 @@ class FileWriter:
             for column in self._plain.values():
                 column.write()
             for packed in self._packed.values():
-                packed.write(partial)
+                packed.write(partial, least)
             lengths = {name: self._plain[name].length for name in layout.COUNTED}
             lengths["frames/steps"] = min(packed.length for packed in self._packed.values())
             self._commits.add([[lengths[name] for name in layout.COUNTED]])
@@ -234,6 +242,13 @@ class FileWriter:
             self._outcome[()] = outcome.encode()[: layout.OUTCOME_DTYPE.itemsize]
         finally:
             self._file.close()
+
+
+def energy_of(moment: Moment, state: Array) -> Energy:
+    """The ledger of energy of a moment whose state (n, 13) is given, to the last bit as the world would tell it, J."""
+    rows = moment.rows
+    rows[:, columns.POSITION : columns.POSITION + STATE_WIDTH] = state
+    return balance(columns, moment.ledger, *kernels.energy(rows, len(rows), *moment.gravity))
 
 
 def pack_snapshot(snapshot: Snapshot) -> bytes:

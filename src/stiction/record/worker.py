@@ -19,7 +19,10 @@ WAITING = 8
 COMMIT_SECONDS = 0.5
 """Full pieces are written after that time."""
 PARTIAL_SECONDS = 1.0
-"""Pieces that are not full, too, are written after that time: no more than that is lost when a process is killed."""
+"""Pieces that are not full, too, are written after that time: little more is lost when a process is killed."""
+LEAST_PARTIAL = 0.5
+"""Share of a piece by which it must have grown to be written then, for its old place in the file is lost: without this,
+a world that takes long for its steps would make a file of many times the size."""
 
 
 class Worker:
@@ -45,7 +48,7 @@ class Worker:
     def room(self, shape: tuple[int, ...]) -> Array:
         """Memory for the states of a batch: that of one that has been written, which is faster than new memory."""
         while self._free:
-            room = self._free.popleft()
+            room = self._free.pop()  # the last one that was read, of which most is in a cache
             if room.shape == shape:
                 return room
         return np.empty(shape)
@@ -96,7 +99,7 @@ class Worker:
                     pending, now = True, time.monotonic()
                     if now - committed > COMMIT_SECONDS:
                         partial = now - full > PARTIAL_SECONDS
-                        self._file.commit(partial)
+                        self._file.commit(partial, LEAST_PARTIAL)
                         committed, full = now, now if partial else full
                 else:
                     self._file.commit(partial=True)

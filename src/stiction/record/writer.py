@@ -1,7 +1,7 @@
 """Recording a world while it runs: every step is noted, and everything that changes the world from outside.
 
-In the simulation's thread a step costs a copy of its state; hashes, rounding, deflating and the file are the business
-of a :class:`stiction.record.worker.Worker`.
+In the simulation's thread a step costs a copy of its state; hashes, energies, rounding, deflating and the file are the
+business of a :class:`stiction.record.worker.Worker`.
 """
 
 from __future__ import annotations
@@ -49,6 +49,8 @@ BATCH_BYTES = 1 << 22
 """Aimed size of the states that are handed over at once."""
 BATCH_STEPS = 256
 """Steps that are handed over at once, at most."""
+HEAVINESS = ("MASS", "INVERSE_MASS", "INERTIA", "INVERSE_INERTIA")
+"""Columns of a body's row that its energy depends on, besides its state."""
 BATCH_SECONDS = 0.5
 """Steps are handed over after that time at the latest."""
 
@@ -114,6 +116,7 @@ class RecordingWriter:
         self._last: Array = self._state().copy()
         self._materials_version = world.materials.version
         self._touched: dict[int, Array] = {}
+        self._rows: Array | None = None
         self._last_frame_step = self._first
         self._frames = 0
         self._closed = False
@@ -231,6 +234,8 @@ class RecordingWriter:
         self.catch_up()
         numbers = np.array(value, np.float64).ravel()
         self._inputs.append(RawInput(self._noted, index, CODES[column], numbers, None))
+        if column in HEAVINESS:
+            self._rows = None
         start = getattr(self.world._state, column)
         if start < STATE_WIDTH:
             row = self._touched.setdefault(index, self._last[index].copy())
@@ -246,7 +251,7 @@ class RecordingWriter:
         """A body was added."""
         self._note_text(added_text(self.world, body) | {"slot": self._next_slot})
         with interrupts_held():
-            self._last = np.vstack([self._last, self._state()[-1:]])
+            self._last, self._rows = np.vstack([self._last, self._state()[-1:]]), None
             self._change_slots(np.append(self._slots, self._next_slot))
             self._next_slot += 1
 
@@ -258,7 +263,7 @@ class RecordingWriter:
         keep = np.ones(len(self._slots), np.bool_)
         keep[list(indices)] = False
         with interrupts_held():
-            self._last = self._state()[keep].copy()
+            self._last, self._rows = self._state()[keep].copy(), None
             self._touched.clear()
             self._change_slots(self._slots[keep])
 
@@ -307,12 +312,14 @@ class RecordingWriter:
             self._materials_version = materials.version
 
     def _moment(self) -> Moment:
-        world = self.world
-        energy = tuple(world.energy())
+        world, store = self.world, self._store
+        if self._rows is None:
+            self._rows = store.bodies[: store.n].copy()
+        ledger, gravity = store.ledger.copy(), world.gravity
         if not self.contacts:
-            return Moment(energy, None, None)
+            return Moment(ledger, gravity, self._rows, None, None)
         numbers, tags = world._raw_contacts()
-        return Moment(energy, (numbers.copy(), tags.copy()), fixed_bodies(world))
+        return Moment(ledger, gravity, self._rows, (numbers.copy(), tags.copy()), fixed_bodies(world))
 
     def _new_batch(self, first: int) -> None:
         n = len(self._slots)

@@ -40,6 +40,10 @@ REFRESHES = 5.0
 ROOM = 6.0
 """How far around the bodies the first picture reaches at most, in sizes of a typical one, if fixed bodies are there."""
 
+AHEAD = 1.0
+"""s that bodies are followed for, straight on, to see where a world that nobody has let run may go."""
+CELL_HEIGHT = 420
+"""Pixels, in a notebook: beside the panel a cell of usual width then leaves a picture that is no higher than wide."""
 NARROWER = 1.35
 """How much farther away the reader stands than before the page, since the panel makes the picture narrower."""
 
@@ -112,7 +116,9 @@ class Viewer:
         return f"<Viewer of {self.session.title!r} at {self.url}>"
 
     def _repr_html_(self) -> str:
-        return f'<iframe src="{self.url}" width="100%" height="560" style="border:1px solid #dee2e6"></iframe>'
+        return (
+            f'<iframe src="{self.url}" width="100%" height="{CELL_HEIGHT}" style="border:1px solid #dee2e6"></iframe>'
+        )
 
     # --- the scene ----------------------------------------------------------------------------------------------------
 
@@ -121,7 +127,7 @@ class Viewer:
         frames = session.survey_frames()
         seen = survey(frames)
         if len(frames) == 1:
-            seen = _with_fixed(frames, seen)
+            seen = _with_room(frames, seen)
         view = first_view(frames, seen)
         back = view.look_at + NARROWER * (view.position - view.look_at)
         view = replace(view, position=back)
@@ -271,15 +277,16 @@ def _pace(simulated: float, elapsed: float, session: Session) -> str:
     return "" if pace > 0.8 * session.speed else f"slower than asked for: {pace:.2g} of {session.speed:g} x"
 
 
-def _with_fixed(frames: Any, seen: Survey) -> Survey:
-    """The survey with the fixed bodies near those that move: nobody knows yet where these will go."""
+def _with_room(frames: Any, seen: Survey) -> Survey:
+    """The survey with fixed bodies near those that move, and where these come if they go straight on along the ground:
+    nobody knows yet where they will go.
+    """
     fixed = [n for n, body in enumerate(frames.bodies) if body.fixed and body.shape.bounded]
-    if not fixed:
-        return seen
     low, high = seen.points.min(axis=0), seen.points.max(axis=0)
     room = max(float((high - low).max()), ROOM * seen.typical)
-    corners = [np.clip(world_corners(frames, n, 0), low - room, high + room) for n in fixed]
-    return replace(seen, points=np.concatenate([seen.points, *corners]))
+    ahead = frames.positions[0, seen.moving] + AHEAD * frames.velocities[0, seen.moving] * (1.0, 1.0, 0.0)
+    more = [ahead, *(world_corners(frames, n, 0) for n in fixed)]
+    return replace(seen, points=np.concatenate([seen.points, *(np.clip(p, low - room, high + room) for p in more)]))
 
 
 # --- the port ---------------------------------------------------------------------------------------------------------
