@@ -32,7 +32,7 @@ def test_friction_of_real_tosses_comes_out_near_what_was_published() -> None:
             cubes.append({"name": name, **body, **pose, **moves})
             turns = toss[:, 3:7] / np.linalg.norm(toss[:, 3:7], axis=1, keepdims=True)
             tracks.append(Track(name, np.arange(len(toss)) / RATE, toss[:, :3], turns))
-    # cubes at rest are 0.0512 m high on average, so the table lies that much lower than half an edge says
+    # cubes at rest are 0.0512 m high in the units of the data, so the table lies that much lower than half an edge says
     table = {"name": "table", "shape": {"type": "plane", "offset": -0.0012}, "static": True, "material": "table"}
     pair = {"a": "cube", "b": "table", "static": 0.3, "dynamic": 0.3, "restitution": 0.2}
     scene = Scene.from_dict(

@@ -22,7 +22,7 @@ UNSEEN = 0.5
 """A parameter whose standard error is this share of its range or more is not seen."""
 SAME = 0.01
 """Change of the sum of squares in units of the noise's variance that counts as none."""
-FINE, HALVINGS = 1e-4, 13
+FINE, HALVINGS = 1e-5, 17
 """What changes within this share of the range is not flat; otherwise so many halvings find where it begins to."""
 STAIR = 0.1
 """Share of the range: what is flat further than that is not a stair but a parameter that is not seen."""
@@ -75,8 +75,14 @@ def spread_of(J: Array, f: Array, span: Array, loss: str = "linear", scale: floa
         bread = V.T @ np.diag(inverse**2) @ V
         meat = (J * span * (w * f)[:, None]).T @ (J * span * (w * f)[:, None]) * m / max(1, m - p)
         inner = bread @ meat @ bread
+    # Along a direction that is hardly seen, the parameters still stay in their ranges: what has the largest share in it
+    # goes through its whole range at most, and takes those with smaller shares along.
+    reach = 1.0 / np.abs(V[~seen]).max(axis=1, initial=1e-300)
+    blind = np.minimum(reach, noise / np.maximum(values[~seen], 1e-300))
+    inner = inner + V[~seen].T @ np.diag(blind**2) @ V[~seen]
     covariance = inner * np.outer(span, span)
     hidden = (V[~seen] ** 2).sum(axis=0) > 0.1  # a parameter with a share in a direction that is not seen
+    hidden |= np.sqrt(np.diag(inner)) > UNSEEN
     covariance[hidden, :] = covariance[:, hidden] = 0.0
     covariance[hidden, hidden] = np.inf
     return Spread(covariance, noise, values / noise if noise > 0.0 else np.full(p, np.inf), V)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stiction import checks
 from stiction.errors import InvalidInputError
-from stiction.fit import intervals
+from stiction.fit import intervals, profile
 from stiction.fit import search as searching
 from stiction.fit.parameters import Array, Parameter
 from stiction.fit.search import LOSSES, Progress, Search
@@ -203,11 +203,25 @@ def _judge(
     J = search.jacobian(x, steps)
     spread = intervals.spread_of(J, f, search.span, loss, scale)
     flats = [intervals.flat_range(search, x, j, spread.noise) for j in range(len(parameters))]
+    seen = np.isfinite(spread.errors) & np.array(
+        [high - low <= intervals.STAIR * p.span for (low, high), p in zip(flats, parameters, strict=True)]
+    )
+    t = intervals.quantile(level, len(f) - len(x))
+    found = profile.Limits.none(len(x))
+    if loss == "linear" and not draws and spread.noise > 0.0:
+        search.state.phase = "profiles"
+        profiler = profile.Profiler(search, x, J, spread.noise, spread.covariance, seen)
+        found = profile.followed(profiler, spread.errors, flats, t)
+        if found.better is not None:
+            x, f = found.better, search(found.better)
+            profiler = profile.Profiler(search, x, J, spread.noise, spread.covariance, seen)
+            flats = [intervals.flat_range(search, x, j, spread.noise) for j in range(len(parameters))]
+        beside = profile.beside_stairs(profiler, flats, t)
+        found = found.wider(*beside)
     x = x.copy()
     for j, (low, high) in enumerate(flats):
         if high - low < intervals.STAIR * search.span[j]:
             x[j] = 0.5 * (low + high)  # on a stair every value is as good, so the middle errs least
-    t = intervals.quantile(level, len(f) - len(x))
     lows, highs = x - t * spread.errors, x + t * spread.errors
     if draws:
         groups = _groups(problem)
@@ -217,16 +231,18 @@ def _judge(
     estimates = []
     for j, parameter in enumerate(parameters):
         low, high = flats[j]
-        unseen = high - low > intervals.STAIR * parameter.span or not np.isfinite(spread.errors[j])
-        if unseen:
+        error = float(spread.errors[j]) if seen[j] else np.inf
+        if not seen[j]:
             # what the simulation does not change at all is certain; beyond it only the range is
             wide = high - low > intervals.STAIR * parameter.span
             limits = (low, high) if wide else (parameter.low, parameter.high)
+        elif found.followed[j]:
+            limits = (min(found.low[j], x[j]), max(found.high[j], x[j]))
+            error = (limits[1] - limits[0]) / (2.0 * t)
         else:
-            limits = (lows[j] - (x[j] - low), highs[j] + (high - x[j]))
+            limits = (min(found.low[j], lows[j] - (x[j] - low)), max(found.high[j], highs[j] + (high - x[j])))
         a, b = max(limits[0], parameter.low), min(limits[1], parameter.high)
-        error = np.inf if unseen else float(spread.errors[j])
-        estimates.append(Estimate(parameter, float(x[j]), error, float(a), float(b), not unseen))
+        estimates.append(Estimate(parameter, float(x[j]), error, float(a), float(b), bool(seen[j])))
     remarks = intervals.remarks(parameters, spread, flats, x)
     waves = _waves(problem, f)
     if waves > WAVES:
