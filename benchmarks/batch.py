@@ -180,10 +180,12 @@ def main() -> None:
     grown = {f"{n}": batch_of(n, threads) for n in given.sizes}
     for batch in grown.values():
         batch.step(60)
-    sizes = median_times({n: (lambda batch=batch: batch.step(STEPS)) for n, batch in grown.items()})
+    # turns of equal length: a short one is mostly what a call and waking the threads cost
+    steps = {n: max(STEPS, STEPS * given.worlds // int(n)) for n in grown}
+    sizes = median_times({n: (lambda n=n, batch=batch: batch.step(steps[n])) for n, batch in grown.items()})
     flat = ["| worlds | wall, µs a world-step | processors, µs | memory a world |", "| --- | --- | --- | --- |"]
     for n, (wall, processor) in sizes.items():
-        micro = 1e6 / STEPS / int(n)
+        micro = 1e6 / steps[n] / int(n)
         memory = grown[n].nbytes / int(n)
         flat.append(f"| {int(n):,} | {wall * micro:.2f} | {processor * micro:.2f} | {memory / 1000:.1f} kB |")
 
