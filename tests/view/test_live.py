@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -31,12 +32,26 @@ def browser() -> Iterator[Any]:
         yield one
 
 
-def until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
-    """Waits for something that must come; the limit is there for what never comes."""
+TRIES = 12
+"""Times that the mouse takes hold of something."""
+
+
+def comes(condition: Callable[[], bool], seconds: float, tab: Tab | None = None) -> bool:
+    """Whether something comes in that time, in which the page of ``tab`` may ask for what it needs."""
     end = time.monotonic() + seconds
     while not condition():
-        assert time.monotonic() < end, "it never came"
-        time.sleep(0.02)
+        if time.monotonic() > end:
+            return False
+        if tab is None:
+            time.sleep(0.02)
+        else:
+            tab.page.wait_for_timeout(20)
+    return True
+
+
+def until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
+    """Waits for something that must come; the limit is there for what never comes."""
+    assert comes(condition, seconds), "it never came"
 
 
 def slider_of(tab: Tab, label: str) -> Any:
@@ -46,21 +61,42 @@ def slider_of(tab: Tab, label: str) -> Any:
     return one
 
 
-def pull(tab: Tab, label: str, share: float, thumb: str = ".mantine-Slider-thumb", which: int = 0) -> None:
-    """Drag a thumb of the slider beside a label with the mouse to a share of its track."""
-    slider = slider_of(tab, label)
-    start, track = slider.locator(thumb).nth(which).bounding_box(), slider.bounding_box()
-    tab.page.mouse.move(start["x"] + start["width"] / 2, start["y"] + start["height"] / 2)
-    tab.page.mouse.down()
-    wanted = track["x"] + min(max(share * track["width"], 2), track["width"] - 2)
-    tab.page.mouse.move(wanted, start["y"] + start["height"] / 2, steps=3)
-    tab.page.mouse.up()
+def pull(
+    tab: Tab,
+    label: str,
+    share: float,
+    arrived: Callable[[], bool],
+    thumb: str = ".mantine-Slider-thumb",
+    which: int = 0,
+) -> None:
+    """Drag a thumb of the slider beside a label with the mouse to a share of its track, until that has arrived.
+
+    As a reader would: where the panel moves while the hand is on its way, the thumb is missed, and taken again.
+    """
+    for _ in range(TRIES):
+        slider = slider_of(tab, label)
+        start, track = slider.locator(thumb).nth(which).bounding_box(), slider.bounding_box()
+        tab.page.mouse.move(start["x"] + start["width"] / 2, start["y"] + start["height"] / 2)
+        tab.page.mouse.down()
+        wanted = track["x"] + min(max(share * track["width"], 2), track["width"] - 2)
+        tab.page.mouse.move(wanted, start["y"] + start["height"] / 2, steps=3)
+        tab.page.mouse.up()
+        if comes(arrived, 5.0, tab):
+            return
+    pytest.fail(f"the slider of {label} could not be pulled")
 
 
-def choose(tab: Tab, label: str, option: str) -> None:
-    """Take an option of the list beside a label."""
-    slider_of(tab, label).click()
-    tab.page.get_by_role("option", name=option, exact=True).click()
+def choose(tab: Tab, label: str, option: str, arrived: Callable[[], bool]) -> None:
+    """Take an option of the list beside a label, until that has arrived."""
+    wanted = tab.page.get_by_role("option", name=option, exact=True)
+    for _ in range(TRIES):
+        if not wanted.is_visible():
+            slider_of(tab, label).click()
+        if comes(wanted.is_visible, 5.0, tab):
+            wanted.click()
+            if comes(arrived, 5.0, tab):
+                return
+    pytest.fail(f"{option} could not be chosen as {label}")
 
 
 def pixel_of(viewer: Viewer, tab: Tab, point: np.ndarray) -> tuple[int, int]:
@@ -98,16 +134,15 @@ def test_a_ramp_is_paused_polished_and_tilted_until_its_crates_slide(browser: An
         assert np.linalg.norm(crate.velocity) < 1e-3
 
         until(lambda: PAIR in session.pairs)
-        for which in (0, 1):
-            pull(tab, " on ".join(PAIR), 0.0, ".multi-slider-thumb", which)
-        until(lambda: session.world.materials.pair(*PAIR).static < 0.05)
+        for which, name in enumerate(("dynamic", "static")):
+            arrived = partial(lambda name: getattr(session.world.materials.pair(*PAIR), name) < 0.05, name)
+            pull(tab, " on ".join(PAIR), 0.0, arrived, ".multi-slider-thumb", which)
         play.click()
         until(lambda: bool(np.linalg.norm(crate.velocity) > 0.5))
 
         reset.click()
         until(lambda: session.world[CRATE] is not crate)
-        pull(tab, "tilt [°]", 0.12)
-        until(lambda: session.gravity[1] > 0.05)
+        pull(tab, "tilt [°]", 0.12, lambda: session.gravity[1] > 0.05)
         # towards +x, which is down the slope: for the crates it is as steep as both angles together
         slope = math.tan(math.radians(30.0) + session.gravity[1])
         pair, crates = session.world.materials.pair, [body.name for body in session.world if body.mobility == "dynamic"]
@@ -134,11 +169,9 @@ def test_solver_and_substeps_are_chosen_as_it_runs_and_a_click_on_a_contact_show
         page, play = tab.page, tab.page.get_by_role("button", name="play / pause")
         play.click()
         until(lambda: world.steps > 3)
-        pull(tab, "substeps", 1.0)
-        until(lambda: world.substeps == MOST_SUBSTEPS)
+        pull(tab, "substeps", 1.0, lambda: world.substeps == MOST_SUBSTEPS)
         for solver in ("micro", "soft"):
-            choose(tab, "solver", solver)
-            until(lambda solver=solver: world.solver == solver)  # type: ignore[misc]  # the default binds the value of now
+            choose(tab, "solver", solver, partial(lambda solver: world.solver == solver, solver))
             steps = world.steps
             until(lambda steps=steps: world.steps > steps + 3)  # type: ignore[misc]  # see above
         assert session.playing
