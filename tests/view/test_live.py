@@ -54,7 +54,7 @@ def until(condition: Callable[[], bool], seconds: float = 60.0) -> None:
     assert comes(condition, seconds), "it never came"
 
 
-def slider_of(tab: Tab, label: str) -> Any:
+def control_of(tab: Tab, label: str) -> Any:
     """What the label beside it belongs to, scrolled into view."""
     one = tab.page.locator(f'[id="{tab.page.get_by_text(label, exact=True).first.get_attribute("for")}"]')
     one.scroll_into_view_if_needed()
@@ -74,7 +74,7 @@ def pull(
     As a reader would: where the panel moves while the hand is on its way, the thumb is missed, and taken again.
     """
     for _ in range(TRIES):
-        slider = slider_of(tab, label)
+        slider = control_of(tab, label)
         start, track = slider.locator(thumb).nth(which).bounding_box(), slider.bounding_box()
         tab.page.mouse.move(start["x"] + start["width"] / 2, start["y"] + start["height"] / 2)
         tab.page.mouse.down()
@@ -91,7 +91,7 @@ def choose(tab: Tab, label: str, option: str, arrived: Callable[[], bool]) -> No
     wanted = tab.page.get_by_role("option", name=option, exact=True)
     for _ in range(TRIES):
         if not wanted.is_visible():
-            slider_of(tab, label).click()
+            control_of(tab, label).click()
         if comes(wanted.is_visible, 5.0, tab):
             wanted.click()
             if comes(arrived, 5.0, tab):
@@ -173,7 +173,7 @@ def test_solver_and_substeps_are_chosen_as_it_runs_and_a_click_on_a_contact_show
         for solver in ("micro", "soft"):
             choose(tab, "solver", solver, partial(lambda solver: world.solver == solver, solver))
             steps = world.steps
-            until(lambda steps=steps: world.steps > steps + 3)  # type: ignore[misc]  # see above
+            until(partial(lambda steps: world.steps > steps + 3, steps))
         assert session.playing
         assert session.trouble == ""
         play.click()
