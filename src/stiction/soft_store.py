@@ -20,7 +20,8 @@ from stiction.crew import Arrays, Crew
 from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilation, close_gaps
 
 PRECISIONS = {"single": np.float32, "double": np.float64}
-
+_NO_COPY = np.zeros((0, state.BODY_WIDTH))
+"""Room for a copy of the bodies in impacts: here they have all columns."""
 
 THINNEST = 3e-5
 """Least principal moment of inertia that single precision can tell from nothing, a part of mass x reach^2: that of a
@@ -157,7 +158,7 @@ class SoftStore(Store):
         """Call the kernel: how many steps it took, its reason to return, and a number that goes with the reason."""
         needs = self._needs[1]
         hulls = self.hulls.arrays if needs.hulls else None
-        bounces = (self.contacts, self.tags, self._impact_lists(), self.report) if needs.bounces else ()
+        bounces = (self.contacts, self.tags, self._impact_lists(), self.report, _NO_COPY) if needs.bounces else ()
         outcome = self._outcome
         outcome[0, soft_step.TAKEN] = 0
         given = steps, self.n, self._book(table, settings, bounces), 0, 1, 1, outcome, self._one, *needs
@@ -215,6 +216,7 @@ class SoftStore(Store):
         self._note_edited()
         self._tree_is_fresh = False
         self._table = None
+        self.desk.notes[:, soft_scratch.FILL] = soft_scratch.ONCE
 
     def _note_edited(self) -> None:
         """Who is on the list of those edited."""
@@ -353,7 +355,7 @@ class SoftStore(Store):
         self.cache = grow_pair_cache(self.cache, bodies, pairs)
         self.soft = _grown(self.soft, soft_rows.make_soft(bodies, pairs, self.dtype))
         self.scratch = _grown(self.scratch, soft_scratch.make_scratch(bodies))
-        self.desk = soft_scratch.make_desk(bodies, pairs)
+        self.desk = soft_scratch.make_desk(bodies, pairs, fill=int(self.desk.notes[0, soft_scratch.FILL]))
 
 
 def _grown(old: Any, new: Any) -> Any:

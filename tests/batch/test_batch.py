@@ -82,6 +82,46 @@ def test_a_world_of_a_batch_ends_in_the_bits_in_which_it_ends_alone(
         assert mine.state_hash() == world.state_hash()
 
 
+def driven_world(late: float) -> st.World:
+    """A turntable that carries a box, a box that falls asleep on the floor, and one that lands on it later."""
+    world = st.World()
+    world.add(st.Plane(), static=True)
+    world.add(st.Box((4.0, 4.0, 0.2)), kinematic=True, position=(0, 0, 0.3), angular_velocity=(0, 0, 0.5))
+    world.add(st.Box((0.5, 0.5, 0.5)), position=(1.0, 0, 0.65), name="rides")
+    world.add(st.Box((1.0, 1.0, 1.0)), position=(9.0, 0, 0.5), name="sleeps")
+    world.add(st.Box((0.5, 0.5, 0.5)), position=(9.2, 0, 10.0 + late), name="falls")
+    return world
+
+
+def test_worlds_with_driven_and_sleeping_bodies_end_in_the_bits_in_which_they_end_alone() -> None:
+    heights = np.array([2.0, 0.0, 7.0])
+    batch = st.Batch(driven_world(0.0), len(heights), threads=1)
+    batch.positions[:, 4, 2] += heights
+    asleep = False
+    for _ in range(4):
+        batch.step(45)
+        worlds = [batch.world(k) for k in range(len(heights))]
+        asleep |= any(not world["sleeps"].awake for world in worlds)
+        batch.step(5)
+        for world, expected in zip(worlds, batch.hashes(), strict=True):
+            world.step(5)
+            assert world.state_hash() == expected
+    assert asleep
+    for k, height in enumerate(heights):
+        world = driven_world(height)
+        world.step(200)
+        assert world.state_hash() == batch.hashes()[k]
+        assert not world["falls"].position[2] > 5.0
+
+
+def test_four_boxes_on_the_ground_take_less_than_8_kB() -> None:
+    world = st.World()
+    world.add(st.Box((20.0, 20.0, 1.0)), static=True, position=(0, 0, -0.5))
+    for k in range(4):
+        world.add(st.Box((1.0, 1.0, 1.0)), position=(1.5 * k, 0, 0.5))
+    assert st.Batch(world, 64).nbytes / 64 < 8000.0
+
+
 def test_reset_brings_chosen_worlds_back_and_leaves_the_others() -> None:
     batch = st.Batch(make_world(), WORLDS, threads=1)
     batch.step(40)

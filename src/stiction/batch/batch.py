@@ -387,11 +387,8 @@ class Batch:
         (world,) = self._chosen([index]).tolist()
         other = snapshot.copy_of(self._world)
         store: Any = other._store
-        parts = self._blocks.of_world(world, self._workers.desk)
-        for name in ("bodies", "kinds", "ledger"):
-            setattr(store, name, parts[name].copy())
-        for name in ("tree", "cache", "soft", "scratch"):
-            setattr(store, name, type(parts[name])(*(array.copy() for array in parts[name])))
+        for name, part in self._blocks.copy_of_world(world).items():
+            setattr(store, name, part)
         store.steps = int(self._steps[world])
         store.replaced()
         self._table.put(other.materials, world)

@@ -25,8 +25,9 @@ from stiction.soft_store import SoftStore
 AnyArray = NDArray[Any]
 GROUPS: dict[str, Any] = {"tree": Tree, "cache": PairCache, "soft": Soft, "scratch": Scratch}
 """The tuples of arrays in a store."""
-DESKS = {"cache.begun", "cache.ended", "soft.blocks", "soft.members", "scratch.tally"}
-"""Arrays that a step fills before it reads them."""
+ROWS = {"soft.rows", "soft.aux", "soft.pose"}
+DESKS = {"cache.begun", "cache.ended", "soft.blocks", "soft.members", "scratch.tally"} | ROWS
+"""Arrays that a step fills before it reads them; of :data:`ROWS` each world has some that are stepped together."""
 LANES_FULL, MOST_TOGETHER = 40, 8
 """So many bodies fill some blocks: worlds of that many together are stepped side by side, and this many at most."""
 SHARED = {"soft.grain"}
@@ -39,20 +40,22 @@ KEPT_BY_RESET = (
 
 
 class Room(NamedTuple):
-    """For how many bodies and pairs a world has rows."""
+    """For how many bodies, pairs and nodes of the tree a world has rows, and how many columns of a body are kept."""
 
     bodies: int
     pairs: int
+    nodes: int
+    columns: int
 
 
 def arrays_with(room: Room, dtype: Any) -> dict[str, AnyArray]:
     """Empty arrays of one world, by name."""
     bodies, kinds = state.make_bodies(room.bodies)
     return _by_name(
-        bodies,
+        bodies[:, : room.columns],
         kinds,
         np.zeros(state.LEDGER_WIDTH),
-        tree=make_tree(room.bodies),
+        tree=make_tree(room.bodies, room.nodes),
         cache=make_pair_cache(room.bodies, room.pairs),
         soft=soft_rows.make_soft(room.bodies, room.pairs, dtype),
         scratch=soft_scratch.make_scratch(room.bodies),
@@ -91,17 +94,20 @@ class Desk:
             made["soft.blocks"] = np.zeros((blocks * soft_rows.FIELDS, LANES), dtype)
             made["soft.members"] = np.zeros((4 * blocks, LANES), np.int32)
         self.together = max(1, min(LANES_FULL // room.bodies, MOST_TOGETHER))
-        self.lists = soft_scratch.make_desk(room.bodies, room.pairs, self.together)
-        self.arrays = {name: made[name] for name in DESKS}
+        self.lists = soft_scratch.make_desk(room.bodies, room.pairs, self.together, soft_scratch.ALWAYS)
+        self.arrays = {name: made[name] for name in DESKS} | {
+            name: np.zeros((self.together * len(made[name]), made[name].shape[1]), made[name].dtype) for name in ROWS
+        }
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
         self.contacts, self.tags = state.make_contacts(contacts)
         self.impact_lists = state.make_lists(room.bodies, contacts, 0)
         self.report = np.zeros((3, state.REPORT_WIDTH))
+        self.wide = np.zeros((room.bodies, state.BODY_WIDTH))
 
     @property
     def bounces(self) -> tuple[Any, ...]:
         """What impacts need."""
-        return self.contacts, self.tags, self.impact_lists, self.report
+        return self.contacts, self.tags, self.impact_lists, self.report, self.wide
 
 
 class Blocks:
@@ -110,8 +116,14 @@ class Blocks:
     def __init__(self, store: SoftStore, worlds: int) -> None:
         self.n, self.worlds, self.dtype = store.n, worlds, store.dtype
         cache = store.cache.counts
-        rows = max(store.n, (int(store.tree.head[USED]) + 1) // 2)
-        self.room = Room(rows, max(1, store.n - 1, int(cache[PAIRS]), int(cache[SLOTS])))
+        mobility, shapes = (store.kinds[: store.n, column] for column in (state.MOBILITY, state.SHAPE))
+        leaves = max(1, int(np.count_nonzero(shapes != state.PLANE)))
+        self.room = Room(
+            bodies=store.n,
+            pairs=max(1, store.n - 1, int(cache[PAIRS]), int(cache[SLOTS])),
+            nodes=max(2 * leaves - 1, int(store.tree.head[USED])),
+            columns=state.BODY_WIDTH if (mobility == state.KINEMATIC).any() else state.SHORT_WIDTH,
+        )
         empty = arrays_with(self.room, self.dtype)
         source = arrays_of(store)
         self.source = {name: fit(source[name], empty[name]) for name in empty if name not in DESKS}
@@ -134,7 +146,7 @@ class Blocks:
 
     def grow(self, pairs: int) -> None:
         """Make room for more pairs in every world."""
-        self.room = Room(self.room.bodies, pairs)
+        self.room = self.room._replace(pairs=pairs)
         for name, like in arrays_with(self.room, self.dtype).items():
             if name not in DESKS and like.shape != self.source[name].shape:
                 self.source[name] = fit(self.source[name], like)
@@ -177,6 +189,19 @@ class Blocks:
         if name in DESKS:
             return desk.arrays[name]
         return pick(self.each[name]) if name in self.each else self.source[name]
+
+    def copy_of_world(self, world: int) -> dict[str, Any]:
+        """The arrays of one world for a store of its own, with all columns of bodies and a desk."""
+        rows = max(self.room.bodies, (self.room.nodes + 1) // 2)
+        room = Room(bodies=rows, pairs=self.room.pairs, nodes=2 * rows, columns=state.BODY_WIDTH)
+        made = arrays_with(room, self.dtype)
+        for name, like in made.items():
+            if name not in DESKS:
+                made[name] = fit(self.each[name][world] if name in self.each else self.source[name], like)
+        parts: dict[str, Any] = {name: made[name] for name in ("bodies", "kinds", "ledger")}
+        parts["desk"] = soft_scratch.make_desk(room.bodies, room.pairs)
+        groups = {name: kind(*(made[f"{name}.{field}"] for field in kind._fields)) for name, kind in GROUPS.items()}
+        return parts | groups
 
     def of_world(self, world: int, desk: Desk) -> dict[str, Any]:
         """The arrays of one world, views."""

@@ -26,6 +26,7 @@ from stiction.core.state import (
     INVERSE_MASS,
     KINEMATIC,
     MOBILITY,
+    MOTION,
     ORIENTATION,
     PLANE,
     POSITION,
@@ -77,7 +78,7 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     margin = body_margin(bodies, kinds, i, g, dt)
     put_vec3(pose, r, s.POSE_X, vec3(bodies, i, POSITION) + R @ center)
     put_mat33(pose, r, s.POSE_ROTATION, R)
-    pose[r, s.POSE_REACH], pose[r, s.POSE_MARGIN] = bodies[i, REACH], margin
+    pose[r, s.POSE_MOTION], pose[r, s.POSE_REACH], pose[r, s.POSE_MARGIN] = bodies[i, MOTION], bodies[i, REACH], margin
     belt = vec3(bodies, i, SURFACE)
     pose[r, s.POSE_BELT] = 0.0 if belt.x == 0.0 and belt.y == 0.0 and belt.z == 0.0 else 1.0
     if kinds[i, SHAPE] != PLANE:
@@ -208,7 +209,7 @@ def enter_work(bodies, i, twice_v, twice_w, dt, ledger):
 def _go(bodies, i, pose, dx, angle, dt):
     """Displace and turn body i; its forces are used up."""
     way = length(dx) + bodies[i, REACH] * length(angle)
-    pose[i + 1, s.POSE_MOTION] += way
+    bodies[i, MOTION] += way
     bodies[i, REST] = bodies[i, REST] + dt if way < REST_SPEED * dt else 0.0
     x = vec3(pose, i + 1, s.POSE_X) + dx
     q = turn(quat(bodies, i, ORIENTATION), angle)

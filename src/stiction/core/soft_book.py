@@ -25,6 +25,7 @@ SCRATCH = SOFT + len(Soft._fields)
 DESK = SCRATCH + len(Scratch._fields)
 HULLS = DESK + len(Desk._fields)
 BOUNCES = HULLS + len(Hulls._fields)
+WIDE = BOUNCES + 3 + len(Lists._fields)
 """Pages at which the parts of a book begin."""
 
 
@@ -32,8 +33,11 @@ def book_of(
     bodies: Any, kinds: Any, table: Any, numbers: Any, ledger: Any, cycles: Any, tree: Any, cache: Any, soft: Any,
     scratch: Any, desk: Any, hulls: Any, *bounces: Any,
 ) -> Any:  # fmt: skip
-    """The book that the step reads. ``numbers``: the settings, (10,) float64; ``bounces``: contacts, tags, lists and
-    report of the impacts, or nothing. Each array may be a block of many worlds."""
+    """The book that the step reads; each array may be a block of many worlds.
+
+    ``numbers``: the settings, (10,) float64; ``bounces``: contacts, tags, lists and report of the impacts, and room for
+    bodies with all columns, or nothing.
+    """
     return write_book(bodies, kinds, table, numbers, ledger, cycles, tree, cache, soft, scratch, desk, hulls, bounces)
 
 
@@ -89,20 +93,20 @@ def cache_at(book, w):
 
 
 @inlined
-def soft_at(book, w, one):
-    """The rows of the solver; ``one`` is 1 in its precision."""
-    return soft_of_all(book, w, 1, one)
+def soft_at(book, w, place, one):
+    """The rows of the solver; those of bodies are on the desk from row ``place`` on. ``one`` is 1 in its precision."""
+    return soft_of_all(book, w, 1, place, one)
 
 
 @inlined
-def soft_of_all(book, w, worlds, one):
+def soft_of_all(book, w, worlds, place, one):
     """Those of so many worlds from w on, as if they were of one."""
     k = SOFT
     return Soft(
         rows_at(book, k, w, worlds, one), rows_at(book, k + 1, w, worlds, 0.0),
         rows_at(book, k + 2, w, worlds, one), matrix_at(book, k + 3, w, one),
-        matrix_at(book, k + 4, w, np.int32(0)), rows_at(book, k + 5, w, worlds, one),
-        rows_at(book, k + 6, w, worlds, one), rows_at(book, k + 7, w, worlds, 0.0),
+        matrix_at(book, k + 4, w, np.int32(0)), matrix_at(book, k + 5, w, one)[place:],
+        matrix_at(book, k + 6, w, one)[place:], matrix_at(book, k + 7, w, 0.0)[place:],
         rows_at(book, k + 8, w, worlds, one), matrix_at(book, k + 9, w, 0.0),
     )  # fmt: skip
 
@@ -142,7 +146,7 @@ def hulls_at(book, w, wanted):
 
 @inlined
 def bounces_at(book, w, wanted):
-    """Rows of contacts, their tags, lists and the report of the impacts, or None."""
+    """Rows of contacts, their tags, lists and the report of the impacts, and room for bodies, or None."""
     if wanted is None:
         return None
     k = BOUNCES
@@ -152,4 +156,5 @@ def bounces_at(book, w, wanted):
         vector_at(book, k + 6, w, 0.0), vector_at(book, k + 7, w, 0), matrix_at(book, k + 8, w, 0.0),
         vector_at(book, k + 9, w, 0.0), matrix_at(book, k + 10, w, 0.0), matrix_at(book, k + 11, w, 0.0),
     )  # fmt: skip
-    return matrix_at(book, k, w, 0.0), matrix_at(book, k + 1, w, 0), lists, matrix_at(book, k + 12, w, 0.0)
+    report, wide = matrix_at(book, WIDE - 1, w, 0.0), matrix_at(book, WIDE, w, 0.0)
+    return matrix_at(book, k, w, 0.0), matrix_at(book, k + 1, w, 0), lists, report, wide

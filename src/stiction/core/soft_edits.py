@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from stiction.core import soft_rows as s
 from stiction.core.integrate import keep_body
 from stiction.core.jit import jit
 from stiction.core.manifolds import EDITED_MOTION
@@ -10,7 +9,7 @@ from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, is_sensed, touch_body
 from stiction.core.sleep import wake_island
 from stiction.core.soft_bodies import begin_body
 from stiction.core.soft_scratch import EDITED, N_EDITED, N_KNOWN, STALE, WATCHED
-from stiction.core.state import ASLEEP, FORCE, LAST, MOBILITY, POSITION, STATIC, TORQUE, V
+from stiction.core.state import ASLEEP, FORCE, LAST, MOBILITY, MOTION, POSITION, STATIC, TORQUE, V
 
 
 @jit
@@ -38,7 +37,7 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, listed, counts, restles
                     listed[EDITED, counts[N_EDITED]] = i
                     counts[N_EDITED] += 1
             elif was_moved(bodies, i):
-                pose[i + 1, s.POSE_MOTION] += EDITED_MOTION
+                bodies[i, MOTION] += EDITED_MOTION
     if counts[N_EDITED] > 0:
         # whatever touches a body that was changed has to notice
         for i in range(n):
@@ -53,7 +52,7 @@ def take_edits(bodies, kinds, n, cache, pose, rows, aux, listed, counts, restles
                 wake_island(bodies, kinds, n, b)
     for k in range(counts[N_EDITED]):
         i = listed[EDITED, k]
-        pose[i + 1, s.POSE_MOTION] += EDITED_MOTION  # its manifolds are looked for anew
+        bodies[i, MOTION] += EDITED_MOTION  # its manifolds are looked for anew
         begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h)
         keep_body(bodies, i)
         touch_body(cache, i)

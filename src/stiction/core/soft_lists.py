@@ -46,6 +46,14 @@ def begin_bodies(bodies, kinds, awake, count, pose, rows, aux, gravity, g, dt, h
 
 
 @jit
+def begin_others(bodies, kinds, n, pose, rows, aux, gravity, g, dt, h):
+    """The same of the bodies that are not awake."""
+    for i in range(n):
+        if kinds[i, MOBILITY] == STATIC or kinds[i, ASLEEP]:
+            begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h)
+
+
+@jit
 def list_touching(kinds, manifolds, meta, pose, active, count, touched, mark, glide, normals):
     """List the bodies in contact, and decide which of them glide; returns their number."""
     touching = 0

@@ -125,8 +125,8 @@ of the inverse inertia in world axes."""
 
 POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_BELT, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
 """Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far
-any of its points can have gone since the world began, m: displacement + reach x rotation; its farthest point from the
-origin of its frame, m; how far it can come towards another body in this step, m; 1 if its surface moves by itself."""
+it had moved when the step began, m (``state.MOTION``); its farthest point from the origin of its frame, m; how far it
+can come towards another body in this step, m; 1 if its surface moves by itself."""
 
 
 class Soft(NamedTuple):

@@ -26,10 +26,15 @@ TOUCHING, MOVING, MARK, GLIDE, USED, GROUP, RESTLESS, LISTS = range(8)
 """Rows of the lists on a desk: the bodies in contact, by world; the rows of those of them that move; a mark for each
 body in contact, by world; how each row moves; scratch of colouring, of islands and of sleep."""
 
-ROLE, FROM, ACTIVE, TAKING_PART, TOUCH, SUBSTEPS, FRESH, BOUNCING, NOTES = range(9)
+ROLE, FROM, ACTIVE, TAKING_PART, TOUCH, SUBSTEPS, FRESH, BOUNCING, PLACE, FILL, NOTES = range(11)
 """What is noted of a world in the middle of a step: whether it waits (NOBODY: it does not); where its active manifolds
 begin in the list and how many they are; how many bodies are awake, and how many in contact; substeps; which manifolds
-are new; points that bounce."""
+are new; points that bounce; where its bodies begin in the rows on the desk, and when those of bodies that are
+not awake have to be filled."""
+
+NEVER, ONCE, ALWAYS = range(3)
+"""When the rows of bodies that are not awake are filled: they stay on the desk; in the next step, for they come from
+elsewhere; in each step, because other worlds use them in between."""
 
 PAIR_CONTACTS = 8
 """Room for the contact points of one pair."""
@@ -66,9 +71,9 @@ def make_scratch(n: int) -> Scratch:
     return scratch
 
 
-def make_desk(n: int, p: int, worlds: int = 1) -> Desk:
+def make_desk(n: int, p: int, worlds: int = 1, fill: int = NEVER) -> Desk:
     """Room for so many worlds of n bodies and p pairs."""
-    return Desk(
+    desk = Desk(
         active=np.zeros((worlds * p, 4), np.int64),
         lists=np.zeros((LISTS, worlds * (n + 1)), np.int64),
         normals=np.zeros((worlds * (n + 1), 3)),
@@ -79,3 +84,5 @@ def make_desk(n: int, p: int, worlds: int = 1) -> Desk:
         tags=np.zeros((PAIR_CONTACTS, TAGS_WIDTH), np.int64),
         points=np.zeros((SCRATCH, 5)),
     )
+    desk.notes[:, FILL] = fill
+    return desk

@@ -41,6 +41,7 @@ from stiction.core.soft_book import (
 from stiction.core.soft_edits import take_edits
 from stiction.core.soft_lists import (
     begin_bodies,
+    begin_others,
     drop_forces,
     finish_bodies,
     first_bad_row,
@@ -54,9 +55,11 @@ from stiction.core.soft_lists import (
 )
 from stiction.core.soft_scratch import (
     ACTIVE,
+    ALWAYS,
     AWAKE,
     BLOCKS,
     BOUNCING,
+    FILL,
     FRESH,
     FROM,
     GLIDE,
@@ -65,6 +68,8 @@ from stiction.core.soft_scratch import (
     MARK,
     MOVING,
     N_AWAKE,
+    NEVER,
+    PLACE,
     RESTLESS,
     ROLE,
     STALE,
@@ -111,8 +116,10 @@ def take_steps(steps, n, book, first, last, outcomes, one, boxes_meet, hulls, bo
     """
     notes, worlds = desk_at(book).notes, last - first
     going = 0
-    for w in range(first, last):
-        going += begin_call(steps, n, book, w, outcomes, one)
+    places = desk_at(book).lists.shape[1] // notes.shape[0]
+    for k in range(worlds):
+        notes[k, PLACE] = k * places
+        going += begin_call(steps, n, book, first + k, notes[k], outcomes, one)
     while going > 0:
         k, room, alone = 0, 0, True
         while alone:
@@ -137,12 +144,12 @@ def take_steps(steps, n, book, first, last, outcomes, one, boxes_meet, hulls, bo
 
 
 @jit
-def begin_call(steps, n, book, w, outcomes, one):
+def begin_call(steps, n, book, w, note, outcomes, one):
     """Look at a world that has steps to take; returns 1 if it goes."""
     if outcomes[w, TAKEN] >= steps:
         return 0
     bodies, kinds, _, ledger, _, settings = rows_of(book, w)
-    scratch, soft = scratch_at(book, w), soft_at(book, w, one)
+    scratch, soft = scratch_at(book, w), soft_at(book, w, note[PLACE], one)
     broken = first_not_finite(bodies, n)
     if broken >= 0:
         for i in range(n):
@@ -165,7 +172,8 @@ def find_contacts(n, book, w, note, outcomes, one, boxes_meet, hulls, bounces, l
     """The first half of a step: who takes part, which pairs there are, their manifolds. Returns whether the world must
     be solved alone."""
     bodies, kinds, table, _, profile, settings = rows_of(book, w)
-    soft, cache, scratch, desk = soft_at(book, w, one), cache_at(book, w), scratch_at(book, w), desk_at(book)
+    soft, cache = soft_at(book, w, note[PLACE], one), cache_at(book, w)
+    scratch, desk = scratch_at(book, w), desk_at(book)
     counts = scratch.counts
     gravity = gravity_of(settings)
     g, dt = length(gravity), settings.dt
@@ -177,6 +185,9 @@ def find_contacts(n, book, w, note, outcomes, one, boxes_meet, hulls, bounces, l
     while woke:
         awake = list_awake(kinds, n, scratch.bodies, counts)
         begin_bodies(bodies, kinds, scratch.bodies[AWAKE], awake, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
+        if note[FILL] != NEVER and awake > 0:
+            note[FILL] = ALWAYS if note[FILL] == ALWAYS else NEVER
+            begin_others(bodies, kinds, n, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
         lap(profile, 0)
         pairs = update_pairs(tree_at(book, w), cache, bodies, kinds, scratch.bodies[AWAKE], awake, dt)
         if pairs > cache.pairs.shape[0]:
@@ -203,7 +214,7 @@ def find_contacts(n, book, w, note, outcomes, one, boxes_meet, hulls, bounces, l
         begin_bodies(bodies, kinds, scratch.bodies[AWAKE], awake, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
     impacts = 0
     if bounces is not None:
-        contacts, tags, _, _ = bounces_at(book, w, bounces)
+        contacts, tags, _, _, _ = bounces_at(book, w, bounces)
         impacts = collect_impacts(
             bodies, active_ones, active, soft.manifolds, soft.meta, soft.pose, contacts, tags, settings, g
         )
@@ -223,8 +234,8 @@ def find_contacts(n, book, w, note, outcomes, one, boxes_meet, hulls, bounces, l
 def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, rolls, laws, exact, team):
     """The second half of a step of those of so many worlds from ``first`` on that wait."""
     _, kinds, table, _, profile, settings = rows_of(book, first)
-    desk, soft, dt = desk_at(book), soft_of_all(book, first, worlds, one), settings.dt
-    places, pairs = soft.rows.shape[0] // worlds, soft.manifolds.shape[0] // worlds
+    desk, soft, dt = desk_at(book), soft_of_all(book, first, worlds, notes[0, PLACE], one), settings.dt
+    places, pairs = desk.lists.shape[1] // desk.notes.shape[0], soft.manifolds.shape[0] // worlds
 
     # blocks
     sizes, starts = desk.sizes[: COLOURS + 1], desk.sizes[COLOURS + 1 :]
@@ -283,12 +294,13 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, rolls, l
 def begin_passes(book, w, n, base, moving, note, one, bounces, h):
     """Impacts, then the lists of who is in contact and who moves, from ``moving`` on; returns how many those are."""
     bodies, kinds, table, ledger, _, settings = rows_of(book, w)
-    soft, desk, scratch = soft_at(book, w, one), desk_at(book), scratch_at(book, w)
+    soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
     gravity = gravity_of(settings)
     if bounces is not None and note[BOUNCING] > 0:
-        contacts, tags, impact_lists, report = bounces_at(book, w, bounces)
+        contacts, tags, impact_lists, report, wide = bounces_at(book, w, bounces)
         bounce(
             bodies, kinds, n, table, contacts, tags, note[BOUNCING], impact_lists, settings, ledger, report, gravity,
+            wide,
         )  # fmt: skip
         begin_bodies(
             bodies, kinds, scratch.bodies[AWAKE], note[TAKING_PART], soft.pose, soft.rows, soft.aux, gravity,
@@ -307,7 +319,7 @@ def begin_passes(book, w, n, base, moving, note, one, bounces, h):
 def fails(book, w, n, base, note, outcomes, one, h):
     """Whether a body would no longer be finite: then the world stops, as it was before the step."""
     bodies, kinds, _, _, _, settings = rows_of(book, w)
-    soft, desk, awake = soft_at(book, w, one), desk_at(book), scratch_at(book, w).bodies[AWAKE]
+    soft, desk, awake = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w).bodies[AWAKE]
     touched, mark, gravity = desk.lists[TOUCHING, base:], desk.lists[MARK, base:], gravity_of(settings)
     bad = first_bad_row(bodies, kinds, awake, note[TAKING_PART], mark, soft.rows, gravity, settings.dt)
     if bad < 0:
@@ -317,8 +329,6 @@ def fails(book, w, n, base, note, outcomes, one, h):
     begin_bodies(
         bodies, kinds, touched, note[TOUCH], soft.pose, soft.rows, soft.aux, gravity, length(gravity), settings.dt, h
     )
-    for k in range(s.ROW_WIDTH):
-        soft.rows[0, k] = 0.0
     drop_forces(bodies, awake, note[TAKING_PART])
     stop(n, book, w, outcomes, BLOWN_UP, bad)
     return True
@@ -328,11 +338,11 @@ def fails(book, w, n, base, note, outcomes, one, h):
 def end_step(book, w, base, note, outcomes, one, bounces):
     """Move the bodies of a world, and let those sleep that are at rest."""
     bodies, kinds, _, ledger, profile, settings = rows_of(book, w)
-    soft, desk, scratch = soft_at(book, w, one), desk_at(book), scratch_at(book, w)
+    soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
     awake, taking_part, active = scratch.bodies[AWAKE], note[TAKING_PART], desk.active[note[FROM] :]
     ledger[WORK] += drive_work(bodies, kinds, active, note[ACTIVE], soft.manifolds, soft.meta, soft.pose, soft.reports)
     if bounces is not None:
-        contacts, tags, _, _ = bounces_at(book, w, bounces)
+        contacts, tags, _, _, _ = bounces_at(book, w, bounces)
         report_bounces(contacts, tags, note[BOUNCING], soft.reports)
     lap(profile, 7)
     mark = desk.lists[MARK, base:]
@@ -344,10 +354,17 @@ def end_step(book, w, base, note, outcomes, one, bounces):
     counts = scratch.counts
     counts[STEP] += 1
     if settings.sleeping and counts[STEP] % PERIOD == 0:
-        counts[STALE] |= 0 < put_to_sleep(
+        slept = put_to_sleep(
             bodies, kinds, awake, taking_part, active, note[ACTIVE], soft.manifolds, soft.pose, desk.lists[GROUP],
             desk.lists[RESTLESS],
         )  # fmt: skip
+        if slept > 0:
+            counts[STALE] = 1
+            # who meets them later sees them where they are now
+            gravity, dt = gravity_of(settings), settings.dt
+            begin_bodies(
+                bodies, kinds, awake, taking_part, soft.pose, soft.rows, soft.aux, gravity, length(gravity), dt, dt
+            )
     lap(profile, 8)
 
 

@@ -36,17 +36,18 @@ keep the place where they set out."""
 class Tree(NamedTuple):
     """A tree with room for n bodies."""
 
-    boxes: np.ndarray  # (2n, 6) float64 lower corner, upper corner, m
-    links: np.ndarray  # (2n, LINKS_WIDTH) int64
+    boxes: np.ndarray  # (nodes, 6) float64 lower corner, upper corner, m
+    links: np.ndarray  # (nodes, LINKS_WIDTH) int64
     leaf: np.ndarray  # (n,) int64 leaf of a body, or NONE
     head: np.ndarray  # (HEAD_WIDTH,) int64
 
 
-def make_tree(n: int) -> Tree:
-    """An empty tree with room for n bodies."""
+def make_tree(n: int, nodes: int | None = None) -> Tree:
+    """An empty tree with room for n bodies; ``nodes``: for 2 n if left out, and one less than twice the leaves do."""
+    nodes = 2 * n if nodes is None else nodes
     return Tree(
-        boxes=np.zeros((2 * n, 6)),
-        links=np.full((2 * n, LINKS_WIDTH), NONE, np.int64),
+        boxes=np.zeros((nodes, 6)),
+        links=np.full((nodes, LINKS_WIDTH), NONE, np.int64),
         leaf=np.full(n, NONE, np.int64),
         head=np.array([NONE, NONE, 0, 0, 0], np.int64),
     )

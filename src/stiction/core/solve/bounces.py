@@ -14,6 +14,7 @@ from stiction.core.solve.impacts import resolve_impacts
 from stiction.core.state import (
     BODY_A,
     BODY_B,
+    BODY_WIDTH,
     FEATURE,
     NORMAL,
     POINT,
@@ -63,12 +64,29 @@ def collect_impacts(bodies, active, count, manifolds, meta, pose, contacts, tags
 
 
 @jit
-def bounce(bodies, kinds, n, table, contacts, tags, m, lists, settings, ledger, report, gravity):
-    """Resolve the impacts among m contact rows: velocities of the bodies change, nothing else."""
+def bounce(bodies, kinds, n, table, contacts, tags, m, lists, settings, ledger, report, gravity, wide):
+    """Resolve the impacts among m contact rows: velocities of the bodies change, and what friction has taken.
+
+    Bodies that have not all columns (``state.SHORT_WIDTH``) are copied to ``wide``, and back.
+    """
     _order, _pairs, first, touching, tree, group, gain, _last_ledger, _last_report, _points = lists
-    prepare_bodies(bodies, n)
-    prepare_contacts(bodies, kinds, table, contacts, tags, m, first, touching, n)
-    resolve_impacts(bodies, n, contacts, tags, m, first, touching, tree, group, gain, settings, ledger, report, gravity)
+    short = bodies.shape[1] < BODY_WIDTH
+    rows = wide if short else bodies
+    if short:
+        copy_rows(wide, bodies, n)
+    prepare_bodies(rows, n)
+    prepare_contacts(rows, kinds, table, contacts, tags, m, first, touching, n)
+    resolve_impacts(rows, n, contacts, tags, m, first, touching, tree, group, gain, settings, ledger, report, gravity)
+    if short:
+        copy_rows(bodies, wide, n)
+
+
+@jit
+def copy_rows(to, rows, n):
+    """Copy n rows, as many columns as both have."""
+    for i in range(n):
+        for k in range(min(to.shape[1], rows.shape[1])):
+            to[i, k] = rows[i, k]
 
 
 @jit
