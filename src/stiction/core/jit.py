@@ -30,6 +30,8 @@ import numba
 import numba.extending
 import numpy as np
 
+from stiction.core.compiling import LinkedCompiler, no_collection
+
 CORE = Path(__file__).resolve().parent
 KEPT_FOLDERS = 6
 KEPT_DAYS = 30.0
@@ -98,13 +100,20 @@ def cache_folder() -> Path | None:
     return None
 
 
-jit = numba.extending.register_jitable(error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False)
+HELPER: Any = {
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+    "_nrt": False,
+    "pipeline_class": LinkedCompiler,
+}
+"""Options with which helpers are compiled, operators of types included."""
+
+jit = numba.extending.register_jitable(**HELPER)
 """Decorator of a helper. It may neither make an array nor return one: then no references need to be counted, which
 would cost two atomic operations for each array in the arguments of a call, or taken out of a tuple."""
 
-inlined = numba.extending.register_jitable(
-    error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True, _nrt=False, forceinline=True
-)
+inlined = numba.extending.register_jitable(**HELPER, forceinline=True)
 """Decorator of a helper so short that to hand over its arguments would take longer than what it does."""
 
 config: Any = numba.config
@@ -122,14 +131,19 @@ def entry(function):
         return function
     folder = kernel_folder()
     if folder is None:
-        return numba.njit(error_model="numpy", nogil=True)(function)
+        return _noted(numba.njit(error_model="numpy", nogil=True)(function))
     # The cache folder is read when a function is decorated, so other packages' caches stay where they are.
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder)
     try:
-        return numba.njit(error_model="numpy", nogil=True, cache=True)(function)
+        return _noted(numba.njit(error_model="numpy", nogil=True, cache=True)(function))
     finally:
         config.CACHE_DIR = before
+
+
+def _noted(kernel):
+    no_collection.entries.add(kernel)
+    return kernel
 
 
 APART = "nsgs."

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from numba import types
 from numba.extending import overload
 
-from stiction.core.jit import inlined, jit
+from stiction.core.jit import HELPER, inlined, jit
 
 
 class Vec3(NamedTuple):
@@ -107,16 +107,16 @@ def _method_of_both(name):
     return choose
 
 
-overload(operator.add)(_method_of_both("__add__"))
-overload(operator.sub)(_method_of_both("__sub__"))
+overload(operator.add, jit_options=HELPER)(_method_of_both("__add__"))
+overload(operator.sub, jit_options=HELPER)(_method_of_both("__sub__"))
 
 
-@overload(operator.neg)
+@overload(operator.neg, jit_options=HELPER)
 def _neg(a):
     return next((kind.__neg__ for kind in (Vec3, Mat33) if _is(kind, a)), None)
 
 
-@overload(operator.mul)
+@overload(operator.mul, jit_options=HELPER)
 def _mul(a, b):
     if _is(Quat, a) and _is(Quat, b):
         return Quat.__mul__
@@ -127,7 +127,7 @@ def _mul(a, b):
     return None
 
 
-@overload(operator.matmul)
+@overload(operator.matmul, jit_options=HELPER)
 def _matmul(a, b):
     if _is(Mat33, a) and _is(Vec3, b):
         return lambda a, b: _matrix_times_vector(a, b)

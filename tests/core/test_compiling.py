@@ -1,0 +1,126 @@
+"""How helpers are compiled: into the kernels that call them, once, while the garbage collector rests."""
+
+from __future__ import annotations
+
+import gc
+from pathlib import Path
+from typing import Any
+
+import numba
+import numpy as np
+import pytest
+from numba.core import event
+
+from stiction.core import jit
+from stiction.core.compiling import LinkedLibrary, no_collection
+
+pytestmark = pytest.mark.skipif(jit.config.DISABLE_JIT, reason="nothing is compiled")
+
+
+@jit.jit
+def double(x):
+    """A helper of a helper."""
+    return x + x
+
+
+@jit.jit
+def fourfold(x):
+    """A helper."""
+    return double(double(x))
+
+
+@jit.jit
+def refuse(x):
+    """A helper that raises."""
+    if x < 0.0:
+        raise ValueError("x must not be negative")
+    return x
+
+
+@pytest.fixture
+def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
+    """An entry that was never compiled before."""
+    monkeypatch.setattr(jit, "kernel_folder", lambda: tmp_path)
+
+    @jit.entry
+    def kernel(numbers):
+        total = 0.0
+        for k in range(len(numbers)):
+            total += fourfold(refuse(numbers[k]))
+        return total
+
+    return kernel
+
+
+class Watch(event.Listener):
+    """Whether garbage was collected while functions were compiled."""
+
+    def __init__(self) -> None:
+        self.collects: list[bool] = []
+
+    def on_start(self, event: Any) -> None:
+        """A function begins to be compiled."""
+
+    def on_end(self, event: Any) -> None:
+        """It is done."""
+        self.collects.append(gc.isenabled())
+
+
+def compiled_under_watch(kernel: Any, *given: Any) -> list[bool]:
+    """Call a kernel for the first time."""
+    watch = Watch()
+    with event.install_listener("numba:run_pass", watch):
+        kernel(*given)
+    return watch.collects
+
+
+def test_helpers_are_linked_into_the_entry_and_give_what_they_do_in_python(
+    kernel: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ends, linked = LinkedLibrary._finalize_final_module, []
+
+    def note(library: LinkedLibrary) -> None:
+        ends(library)
+        linked.append({function.name for function in library.get_defined_functions()})
+
+    monkeypatch.setattr(LinkedLibrary, "_finalize_final_module", note)
+    numbers = np.array([1.0, 2.5, 4.0])
+    assert kernel(numbers) == kernel.py_func(numbers) == 30.0
+    assert len(linked) == 3  # refuse, double and, with what it calls, fourfold
+    (overload,) = kernel.overloads.values()
+    assert not isinstance(overload.library, LinkedLibrary)
+    is_defined = overload.library._codegen._engine.is_symbol_defined
+    assert not any(is_defined(name) for names in linked for name in names)
+
+
+def test_an_exception_in_a_helper_comes_out_of_the_entry(kernel: Any) -> None:
+    with pytest.raises(ValueError, match="x must not be negative"):
+        kernel(np.array([1.0, -1.0]))
+
+
+def test_the_collector_rests_while_an_entry_is_compiled_and_works_again_after(kernel: Any) -> None:
+    assert gc.isenabled()
+    during = compiled_under_watch(kernel, np.zeros(2))
+    assert during and not any(during)
+    assert gc.isenabled()
+
+
+def test_who_has_turned_it_off_finds_it_off(kernel: Any) -> None:
+    gc.disable()
+    try:
+        kernel(np.zeros(2))
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def test_it_works_again_after_a_failure(kernel: Any) -> None:
+    with pytest.raises(numba.TypingError):
+        kernel("no numbers")
+    assert gc.isenabled()
+    assert no_collection._depth == 0
+
+
+def test_kernels_of_others_are_left_alone() -> None:
+    during = compiled_under_watch(numba.njit(lambda x: x + 1), 3)
+    assert during and all(during)
