@@ -80,6 +80,10 @@ def test_importing_stiction_loads_nothing_yet() -> None:
     assert loaded & (HEAVY | CORE_MAY_IMPORT - set(sys.stdlib_module_names)) == set()
 
 
+def test_commands_load_what_they_need_when_they_run() -> None:
+    assert _packages_loaded_by("import stiction.cli.main") & (HEAVY - {"rich", "typer"} | {"numpy", "numba"}) == set()
+
+
 def test_the_nouns_load_numpy_alone() -> None:
     nouns = sorted(set(stiction.__all__) - LATER)
     loaded = _packages_loaded_by(f"import stiction; {'; '.join(f'stiction.{name}' for name in nouns)}")

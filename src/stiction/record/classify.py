@@ -59,17 +59,17 @@ def judge(state: NDArray[np.float64], fixed: NDArray[np.bool_], rows: NDArray[An
     rest = np.flatnonzero(held & ~(known.take(a) & known.take(b)))
     a, b, loaded = a.take(rest), b.take(rest), loaded.take(rest)
     normal, point = (rows[name].take(loaded, axis=0) for name in ("normal", "point"))
-    positions, velocities, spins = (
-        np.ascontiguousarray(state[:, PARTS[name]]) for name in ("positions", "velocities", "angular_velocities")
-    )
-    spin = spins.take(a, axis=0)
-    spin -= spins.take(b, axis=0)
+    of_a, of_b = state.take(a, axis=0), state.take(b, axis=0)
+    spin = of_a[:, PARTS["angular_velocities"]] - of_b[:, PARTS["angular_velocities"]]
     spin -= normal * _dot(normal, spin)[:, None]
     turning = _dot(spin, spin)
-    speed = np.maximum(TURNING_SPEED**2, TURNING_SHARE**2 * _dot(velocities, velocities))
-    for body in (a, b):
-        arm = point - positions.take(body, axis=0)
-        rolls[body.compress(turning * _dot(arm, arm) > speed.take(body))] = True
+    for body, own in ((a, of_a), (b, of_b)):
+        if known.take(body).all():
+            continue  # the ground
+        arm = point - own[:, PARTS["positions"]]
+        velocity = own[:, PARTS["velocities"]]
+        speed = np.maximum(TURNING_SPEED**2, TURNING_SHARE**2 * _dot(velocity, velocity))
+        rolls[body.compress(turning * _dot(arm, arm) > speed)] = True
 
     motion = np.full(n, Motion.FREE, np.uint8)
     motion[touched] = Motion.STICKING
