@@ -63,6 +63,9 @@ def read(port: int, seconds: float, reads: bool) -> None:
     camera = ViewerCameraMessage((1, 0, 0, 0), (5, 5, 5), 0.8, 0.01, 100.0, 480, 640, (0, 0, 0), (0, 0, 1))
     client.send(msgspec.msgpack.encode(camera.as_serializable_dict()))
     time.sleep(0.0 if reads else seconds)
+    # what puts up the scene is not counted
+    while reads and not _holds_positions(client.recv(timeout=seconds)):
+        pass
     end = time.perf_counter() + seconds
     while reads and (left := end - time.perf_counter()) > 0:
         with contextlib.suppress(TimeoutError):

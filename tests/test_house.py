@@ -19,7 +19,10 @@ CORE = PACKAGE / "core"
 MAX_LINES = 600
 
 HEAVY = {"gymnasium", "h5py", "matplotlib", "optuna", "pyarrow", "pydantic", "ray", "rich", "scipy", "typer", "viser"}
-"""Packages that `import stiction` must leave alone: most programs use none of them."""
+"""Packages that worlds, bodies and materials must leave alone: most programs use none of them."""
+
+LATER = {"Batch", "BatchState", "Recording"}
+"""Public names that belong to higher floors, which may load heavy packages."""
 
 CORE_MAY_IMPORT = {"llvmlite", "numba", "numpy", *sys.stdlib_module_names}
 """llvmlite is the half of numba that writes machine code; lanes are made with it."""
@@ -64,12 +67,41 @@ def _own_docstring(thing: object) -> str:
     return text
 
 
-def test_importing_stiction_leaves_heavy_packages_alone() -> None:
-    code = "import sys, stiction; print(*sorted({name.partition('.')[0] for name in sys.modules}))"
+def _packages_loaded_by(code: str) -> set[str]:
+    """Packages that a Python of its own has loaded after it has run this code."""
+    code += "; import sys; print(*sorted({name.partition('.')[0] for name in sys.modules}))"
     result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    loaded = set(result.stdout.split())
+    return set(result.stdout.split())
+
+
+def test_importing_stiction_loads_nothing_yet() -> None:
+    loaded = _packages_loaded_by("import stiction")
     assert "stiction" in loaded
-    assert loaded & HEAVY == set()
+    assert loaded & (HEAVY | CORE_MAY_IMPORT - set(sys.stdlib_module_names)) == set()
+
+
+def test_commands_load_what_they_need_when_they_run() -> None:
+    assert _packages_loaded_by("import stiction.cli.main") & (HEAVY - {"rich", "typer"} | {"numpy", "numba"}) == set()
+
+
+def test_the_nouns_load_numpy_alone() -> None:
+    nouns = sorted(set(stiction.__all__) - LATER)
+    loaded = _packages_loaded_by(f"import stiction; {'; '.join(f'stiction.{name}' for name in nouns)}")
+    assert "numpy" in loaded
+    assert loaded & (HEAVY | {"numba", "llvmlite"}) == set()
+
+
+def test_names_come_from_the_modules_that_type_checkers_are_told() -> None:
+    tree = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
+    told = {
+        alias.name: node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for alias in node.names
+    }
+    for name in set(stiction.__all__) - {"__version__"}:
+        assert told[name] == f"stiction.{stiction._MODULES[name]}"
+    assert set(stiction._MODULES) == set(stiction.__all__) - {"__version__"}
+    assert set(stiction.__all__) <= set(dir(stiction))
+    with pytest.raises(AttributeError, match="has no attribute 'Wolrd'"):
+        _ = stiction.Wolrd
 
 
 @pytest.mark.parametrize("path", _python_files(CORE), ids=_relative)

@@ -31,9 +31,10 @@ whether the point sticks."""
 
 def contact_rows(numbers: NDArray[np.float64], tags: NDArray[np.int64]) -> NDArray[Any]:
     """The report of contact points, from their rows in :mod:`stiction.core.state`; (m,) of :data:`CONTACT_DTYPE`."""
-    keep = (numbers[:, state.TOTAL] > 0.0) | (numbers[:, state.SEPARATION] <= TOUCHING)
-    numbers, tags = numbers[keep], tags[keep]
-    rows = np.zeros(len(numbers), CONTACT_DTYPE)
+    keep = np.flatnonzero((numbers[:, state.TOTAL] > 0.0) | (numbers[:, state.SEPARATION] <= TOUCHING))
+    if len(keep) < len(numbers):
+        numbers, tags = numbers.take(keep, axis=0), tags.take(keep, axis=0)
+    rows = np.empty(len(numbers), CONTACT_DTYPE)
     rows["body_a"], rows["body_b"] = tags[:, state.BODY_A], tags[:, state.BODY_B]
     rows["point"] = numbers[:, state.POINT : state.POINT + 3]
     rows["normal"] = numbers[:, state.NORMAL : state.NORMAL + 3]

@@ -231,8 +231,9 @@ class SoftStore(Store):
     def collect_contacts(self) -> None:
         """Fill the rows of contact points."""
         soft, pairs = self.soft, self.cache.pairs[: self.cache.counts[PAIRS]]
-        # most pairs of a heap are near each other without touching
-        pairs = pairs[soft.meta[pairs[:, SLOT] + 1, soft_rows.POINTS] > 0.0]
+        # most pairs of a heap are near each other without touching; a column is denser than rows to pick from
+        points = soft.meta[:, soft_rows.POINTS].take(pairs[:, SLOT] + 1)
+        pairs = pairs.compress(points > 0.0, axis=0)
         while True:
             self.m = report_contacts(
                 self.bodies, pairs, len(pairs), soft.manifolds, soft.meta, soft.reports, self.contacts, self.tags

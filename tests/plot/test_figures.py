@@ -13,7 +13,7 @@ from matplotlib.colors import to_hex
 
 import stiction as st
 from stiction import Motion
-from stiction.plot import Track, cone, draw, energy, hodograph, load, network, observe, phase, raster
+from stiction.plot import Track, cone, dots, draw, energy, hodograph, network, observe, phase, raster
 from stiction.plot.points import contact_points, faces
 from stiction.plot.pull import contact_forces, pulling_force
 from stiction.plot.run import body_forces
@@ -98,7 +98,7 @@ def test_contact_forces_carry_the_weight() -> None:
 
 def test_what_slides_lies_on_the_dynamic_circle_and_nothing_lies_outside() -> None:
     run = track("push-and-release")
-    points = load.chosen_points(run, None)
+    points = dots.chosen_points(run, None)
     share = np.linalg.norm(cone.shares(points), axis=1)
     assert share.max() < cone.RIM
     slides = ~points.rows["sticking"]

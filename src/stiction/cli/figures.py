@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from stiction.checks import nearest, one_of
 from stiction.cli.console import say
 from stiction.errors import InvalidInputError
 
@@ -34,6 +33,7 @@ def wanted(texts: list[str], stem: str, option: str = "--plot") -> list[Figure]:
     """
     if not texts:
         return []  # plots cost an import
+    from stiction.checks import nearest, one_of
     from stiction.plot import KINDS
     from stiction.plot.canvas import check_path
     from stiction.plot.kinds import DEFAULT

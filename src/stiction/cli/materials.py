@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import asdict
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from stiction import checks
 from stiction.cli.console import out, print_json, table
 from stiction.errors import InvalidInputError
-from stiction.materials import MaterialTable
-from stiction.pair_properties import PairProperties
 
-TABLES = {"default": MaterialTable.default, "lecture": MaterialTable.lecture}
+if TYPE_CHECKING:
+    from stiction.pair_properties import PairProperties
+
 NUMBERS = ("static", "dynamic", "restitution", "rolling [m]", "torsional [m]")
 
 
@@ -33,7 +32,11 @@ def materials(
       stiction materials --table lecture    # the nine rows of the slides
       stiction materials wood ice --json
     """
-    chosen = TABLES[checks.one_of("--table", table_name, TABLES)]()
+    from stiction import checks
+    from stiction.materials import MaterialTable
+
+    tables = {"default": MaterialTable.default, "lecture": MaterialTable.lecture}
+    chosen = tables[checks.one_of("--table", table_name, tables)]()
     if a is not None and b is None:
         raise InvalidInputError(f"materials must be named in pairs, got only {a!r}; name the one it touches too.")
     rows: list[tuple[str, str, PairProperties]]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction.plot import canvas
-from stiction.plot.load import MOST_POINTS, chosen_points, dot_size, states
+from stiction.plot.dots import MOST_POINTS, dot_size, opening, states, stride
 from stiction.plot.points import Points
 from stiction.plot.track import Track
 from stiction.view import style
@@ -28,16 +28,10 @@ FAR = 1.3
 def draw(track: Track, bodies: list[str] | None) -> Figure:
     """The figure: friction impulses over the static limit of their contact, so that one cone holds for all pairs.
 
-    Args:
-        track: the run.
-        bodies: names of the bodies whose contacts are shown; all of them if left out.
-
-    Raises:
-        InvalidInputError: ``bodies`` is empty or names a body that is not there.
+    For arguments and errors see :func:`stiction.plot.dots.opening`.
     """
-    points = chosen_points(track, bodies)
+    figure, points = opening(track, bodies)
     points = points[points.coefficients[:, 0] > 0.0]
-    figure = canvas.sheet(track.frames.title)
     share = shares(points)
     engine = figure.get_layout_engine()
     assert engine is not None  # the sheet has one
@@ -96,7 +90,7 @@ def _ratios(points: Points) -> list[float]:
 def _from_above(axes: Axes, points: Points, share: Array) -> None:
     circle = _circle()
     axes.fill(*circle, color=style.GROUND, alpha=0.55, lw=0, zorder=0)
-    step = max(1, -(-len(points) // MOST_POINTS))
+    step = stride(points)
     for state, color, mine in states(points):
         x, y = np.clip(share[mine][::step], -FAR, FAR).T
         axes.scatter(x, y, s=dot_size(points), color=color, alpha=0.5, lw=0, zorder=int(state))
@@ -125,7 +119,7 @@ def _in_space(axes: Any, points: Points, share: Array) -> None:
         axes.plot(*(top * height * circle), top * height, **canvas.LIMITS["static"])
     for ratio in _ratios(points)[:1]:
         axes.plot(*(ratio * top * circle), top, **canvas.LIMITS["dynamic"])
-    step = max(1, -(-len(points) // (MOST_POINTS // 4)))
+    step = stride(points, MOST_POINTS // 4)
     for _, color, mine in states(points):
         inside = mine & (load <= top)
         axes.scatter(

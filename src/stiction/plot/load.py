@@ -9,20 +9,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stiction.motion import Motion
 from stiction.plot import canvas
-from stiction.plot.points import Points, contact_points, faces, loaded
+from stiction.plot.dots import dot_size, opening, states, stride
+from stiction.plot.points import Points
 from stiction.plot.track import Track
-from stiction.view import style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_POINTS = 20_000
-"""Points that are drawn; of more, every so many-th is taken."""
-DOT, FEW = 8.0, 3000
-"""Size of a dot, and how many of them are few enough to be drawn three times as large."""
 MOST_LIMITS = 3
 """Pairs of coefficients whose lines are drawn."""
 
@@ -30,15 +25,9 @@ MOST_LIMITS = 3
 def draw(track: Track, bodies: list[str] | None) -> Figure:
     """The figure: one point a contact and frame, in N, with lines of slope mu_s and mu_d.
 
-    Args:
-        track: the run.
-        bodies: names of the bodies whose contacts are shown; all of them if left out.
-
-    Raises:
-        InvalidInputError: ``bodies`` is empty or names a body that is not there.
+    For arguments and errors see :func:`stiction.plot.dots.opening`.
     """
-    points = chosen_points(track, bodies)
-    figure = canvas.sheet(track.frames.title)
+    figure, points = opening(track, bodies)
     axes = canvas.dress(figure.add_subplot())
     load = points.rows["normal_impulse"] / track.frames.dt
     friction = np.linalg.norm(points.rows["friction_impulse"], axis=1) / track.frames.dt
@@ -46,7 +35,7 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
     usual = 1.6 * float(np.percentile(load, 99.0)) if len(load) else 1.0
     right = min(usual, float(load.max())) if len(load) else 1.0
     for state, color, mine in states(points):
-        step = max(1, -(-len(points) // MOST_POINTS))
+        step = stride(points)
         axes.scatter(
             load[mine][::step],
             friction[mine][::step],
@@ -64,24 +53,6 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
     axes.set_ylabel("friction there (N)")
     canvas.legend(figure, [*canvas.stick_and_slide(), *canvas.limit_lines()])
     return figure
-
-
-def chosen_points(track: Track, bodies: list[str] | None) -> Points:
-    """The loaded faces of all bodies, or of those that are named."""
-    frames = track.frames
-    numbers = None if bodies is None else canvas.choose(frames, bodies, len(frames.bodies))[0]
-    return loaded(faces(contact_points(frames, track.pairs, numbers)))
-
-
-def dot_size(points: Points) -> float:
-    """Size of a dot in square points."""
-    return DOT if len(points) > FEW else 3.0 * DOT
-
-
-def states(points: Points) -> list[tuple[Motion, str, np.ndarray]]:
-    """The two states of a contact, each with its colour and which points are in it."""
-    held = points.rows["sticking"]
-    return [(m, style.MOTION_COLORS[m], held == (m == Motion.STICKING)) for m in (Motion.STICKING, Motion.SLIDING)]
 
 
 def _limits(axes: Axes, track: Track, points: Points, right: float, top: float) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction.plot import canvas
-from stiction.plot.load import chosen_points
+from stiction.plot.dots import chosen_points
 from stiction.plot.track import Track
 from stiction.record.frames import Frames
 from stiction.scene.placing import turned

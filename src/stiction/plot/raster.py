@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stiction.motion import Motion
 from stiction.plot import canvas
+from stiction.plot.dots import chosen_numbers
 from stiction.plot.points import contact_points
 from stiction.plot.track import Track
 from stiction.view import style
@@ -57,8 +58,7 @@ def draw(track: Track, bodies: list[str] | None) -> Figure:
     from matplotlib.patches import Patch
 
     frames = track.frames
-    numbers = None if bodies is None else canvas.choose(frames, bodies, len(frames.bodies))[0]
-    pairs, raster = states(track, numbers)
+    pairs, raster = states(track, chosen_numbers(frames, bodies))
     remark = f"  ({MOST_ROWS} of {len(pairs)} pairs)" if len(pairs) > MOST_ROWS else ""
     pairs, raster = pairs[:MOST_ROWS], raster[:MOST_ROWS]
 

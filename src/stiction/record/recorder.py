@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from stiction import checks
 from stiction._version import __version__
 from stiction.errors import InvalidInputError
-from stiction.hashing import PARTS
+from stiction.hashing import PARTS, STATE_WIDTH
 from stiction.motion import Motion
 from stiction.record.bodies import info_of
-from stiction.record.classify import classify, fixed_bodies
+from stiction.record.classify import fixed_bodies, judge
 from stiction.record.frames import CONTACT_DTYPE, BodyInfo, Frames
 from stiction.world import World
 
@@ -55,11 +55,20 @@ def capture(
         motion: judge what each body is doing, which takes longer than a step of a small world.
         fixed: (n,) which bodies are fixed, for callers that ask often.
     """
-    rows = world.contacts() if contacts else np.zeros(0, CONTACT_DTYPE)
-    arrays = {name: getattr(world, name).copy() for name in WIDTHS}
-    seen = rows if contacts else None
-    doing = classify(world, fixed, seen) if motion else np.full(len(world), Motion.FREE, np.uint8)
-    return Frame(step=world.steps, time=world.time, motion=doing, contacts=rows, **arrays)
+    rows = world.contacts() if contacts or motion else np.zeros(0, CONTACT_DTYPE)
+    # one copy of all numbers, not by the world's own arrays: whoever asks for those may change them, and every step
+    # that follows would look for changes
+    state = world._store.column(world._state.POSITION, STATE_WIDTH).copy()
+    doing = np.full(len(world), Motion.FREE, np.uint8)
+    if motion:
+        doing = judge(state, fixed_bodies(world) if fixed is None else fixed, rows)
+    return Frame(
+        step=world.steps,
+        time=world.time,
+        motion=doing,
+        contacts=rows if contacts else np.zeros(0, CONTACT_DTYPE),
+        **{name: state[:, part] for name, part in PARTS.items()},
+    )
 
 
 def body_infos(world: World) -> list[BodyInfo]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from stiction.record.frames import BodyInfo, Frames
 from stiction.record.recorder import Frame
 from stiction.shapes import ConvexHull, Shape
 from stiction.view import meshes, style
+from stiction.view.instances import add_instances, upright
 from stiction.view.stage import Update, clean
 from stiction.view.survey import Survey, matrices
 
@@ -24,6 +25,8 @@ Indices = NDArray[np.int64]
 MOST_NAMES = 12
 """Names are shown beside the moving bodies if there are no more than this."""
 PALETTE = np.array([style.surface(style.MOTION_COLORS[motion]) for motion in Motion])
+SLIDES_OR_STICKS = PALETTE[[Motion.SLIDING, Motion.STICKING]]
+"""Colours of contact points that do not stick, and that do."""
 
 
 class Batch:
@@ -37,6 +40,9 @@ class Batch:
 
     def __init__(self, server: ViserServer, name: str, shape: Shape, index: Indices, frame: Frame, fixed: bool) -> None:
         self.index = index
+        first, last = int(index[0]), int(index[-1])
+        # bodies of one shape are often added one after another: a slice of them copies nothing
+        self._members = slice(first, last + 1) if last - first + 1 == len(index) else index
         self.rests = False
         handles = []
         for part, mesh, colors in (
@@ -44,14 +50,13 @@ class Batch:
             ("edges", meshes.edges(shape), style.surface(style.INK)),
         ):
             handles.append(
-                server.scene.add_batched_meshes_simple(
+                add_instances(
+                    server,
                     f"/bodies/{name}/{part}",
-                    mesh.vertices,
-                    mesh.faces,
-                    frame.orientations[index],
+                    mesh,
                     frame.positions[index],
-                    batched_colors=colors,
-                    lod="off",
+                    frame.orientations[index],
+                    colors=colors,
                     cast_shadow=part == "solid",
                     opacity=style.OPACITY if part == "solid" and not fixed else None,
                 )
@@ -60,12 +65,12 @@ class Batch:
 
     def show(self, frame: Frame, colors: NDArray[np.uint8]) -> None:
         """Bring the bodies to where they are in a frame, in these colours (n, 3), a row for every body of the world."""
-        positions = frame.positions[self.index].astype(np.float32)
-        orientations = frame.orientations[self.index].astype(np.float32)
+        positions = frame.positions[self._members].astype(np.float32)
+        orientations = frame.orientations[self._members].astype(np.float32)
         for handle in (self.solid, self._edges):
             handle.batched_positions = positions
             handle.batched_wxyzs = orientations
-        self.solid.batched_colors = colors[self.index]
+        self.solid.batched_colors = colors[self._members]
 
 
 def add_bodies(server: ViserServer, bodies: list[BodyInfo], frame: Frame, still: NDArray[np.bool_]) -> list[Batch]:
@@ -108,27 +113,18 @@ class Dots:
     def __init__(self, server: ViserServer, room: int, typical: float) -> None:
         ball = meshes.sphere(style.CONTACT_RADIUS * typical)
         self._room = room
-        self.handle = server.scene.add_batched_meshes_simple(
-            "/contacts/points",
-            ball.vertices,
-            ball.faces,
-            np.tile((1.0, 0.0, 0.0, 0.0), (room, 1)),
-            np.zeros((room, 3)),
-            batched_colors=np.zeros((room, 3), dtype=np.uint8),
-            lod="off",
-            cast_shadow=False,
-            visible=False,
-        )
+        colors = np.zeros((room, 3), dtype=np.uint8)
+        self.handle = add_instances(server, "/contacts/points", ball, np.zeros((room, 3)), colors=colors, visible=False)
 
-    def show(self, rows: NDArray[Any]) -> None:
-        """Show rows of ``CONTACT_DTYPE``."""
-        self.handle.visible = len(rows) > 0
-        if len(rows):
-            if len(rows) > self._room:
-                self._room = 2 * len(rows)
-                self.handle.batched_wxyzs = np.tile((1.0, 0.0, 0.0, 0.0), (self._room, 1))
-            self.handle.batched_positions = rows["point"]
-            self.handle.batched_colors = PALETTE[np.where(rows["sticking"], Motion.STICKING, Motion.SLIDING)]
+    def show(self, points: Array, sticking: NDArray[np.bool_]) -> None:
+        """Show points (k, 3) in m, with (k,) whether they stick."""
+        self.handle.visible = len(points) > 0
+        if len(points):
+            if len(points) > self._room:
+                self._room = 2 * len(points)
+                self.handle.batched_wxyzs = upright(self._room)
+            self.handle.batched_positions = points.astype(np.float32)
+            self.handle.batched_colors = SLIDES_OR_STICKS.take(sticking, axis=0)
 
 
 class Arrows:
@@ -150,7 +146,10 @@ class Arrows:
         """Show arrows (k, 3) that begin at ``tails`` (k, 3), in m."""
         self.handle.visible = len(tails) > 0
         if len(tails):
-            self.handle.points = np.stack([tails, tails + arrows], axis=1)
+            points = np.empty((len(tails), 2, 3), np.float32)
+            points[:, 0] = tails
+            np.add(tails, arrows, out=points[:, 1])
+            self.handle.points = points
 
 
 def add_contacts(server: ViserServer, frames: Frames, picked: Indices, typical: float) -> Update:
@@ -163,7 +162,7 @@ def add_contacts(server: ViserServer, frames: Frames, picked: Indices, typical: 
 
     def update(frame: Frame) -> None:
         rows = frame.contacts
-        points.show(rows)
+        points.show(rows["point"], rows["sticking"])
         normals.show(rows["point"], style.NORMAL_LENGTH * typical * rows["normal"])
 
     return update

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction.motion import Motion
+from stiction.record.classify import lengths
 from stiction.record.frames import BodyInfo
 from stiction.record.recorder import Frame
 from stiction.view import meshes, style
+from stiction.view.instances import add_instances, upright
 from stiction.view.nodes import PALETTE, Arrows, Dots
 from stiction.view.session import Session
 from stiction.view.survey import matrices, quaternion
@@ -49,8 +51,9 @@ FADE = 0.97
 
 def body_colors(frame: Frame, asleep: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Colours (n, 3) for viser by what the bodies are doing, those that sleep apart."""
-    colors: NDArray[np.uint8] = PALETTE[frame.motion]
-    colors[asleep] = ASLEEP
+    colors = PALETTE.take(frame.motion, axis=0)
+    if asleep.any():
+        colors[asleep] = ASLEEP
     return colors
 
 
@@ -132,27 +135,37 @@ class Overlays:
         rows = frame.contacts
         self.hidden = max(0, len(rows) - MOST_CONTACTS)
         if self.hidden:
-            rows = rows[np.argpartition(rows["normal_impulse"], self.hidden)[self.hidden :]]
+            rows = rows.take(np.argpartition(rows["normal_impulse"], self.hidden)[self.hidden :])
         self.rows = rows
-        none = rows[:0]
-        self._largest = max(FADE * self._largest, float(rows["normal_impulse"].max(initial=0.0)))
-        scale = IMPULSE_LENGTH * self._typical / self._largest if self._largest > 0.0 else 0.0
-        self.dots.show(rows if "contacts" in self.shown else none)
-        shown = rows if "normals" in self.shown else none
-        self._normals.show(shown["point"], style.NORMAL_LENGTH * self._typical * shown["normal"])
-        shown = rows if "friction" in self.shown else none
-        shown = shown[np.linalg.norm(shown["friction_impulse"], axis=1) * scale > 0.02 * self._typical]
-        self._impulses.show(shown["point"], scale * shown["friction_impulse"])
+        self._show_contacts(rows)
         _segments(self._patches, patch_outlines(rows) if "patches" in self.shown else np.zeros((0, 2, 3)))
         self._show_trails(frame)
         moving = self._moving[:MOST_CENTRES] if "centres" in self.shown else self._moving[:0]
         self._centre_dots.visible = len(moving) > 0
         if len(moving):
             turned = np.einsum("nij,nj->ni", matrices(frame.orientations[moving]), self._centres[moving])
-            self._centre_dots.batched_wxyzs = np.tile(np.array([1, 0, 0, 0], np.float32), (len(moving), 1))
+            self._centre_dots.batched_wxyzs = upright(len(moving))
             self._centre_dots.batched_positions = (frame.positions[moving] + turned).astype(np.float32)
         row = session.picked_contact(frame.contacts) if "cone" in self.shown else None
         self._cone.show(row, None if row is None else session.coefficients(int(row["body_a"]), int(row["body_b"])))
+
+    def _show_contacts(self, rows: NDArray[Any]) -> None:
+        """Points, normals and friction impulses."""
+        self._largest = max(FADE * self._largest, float(rows["normal_impulse"].max(initial=0.0)))
+        scale = IMPULSE_LENGTH * self._typical / self._largest if self._largest > 0.0 else 0.0
+        points, nothing = np.ascontiguousarray(rows["point"]), np.zeros((0, 3))
+        dots = slice(None) if "contacts" in self.shown else slice(0)
+        self.dots.show(points[dots], rows["sticking"][dots])
+        if "normals" in self.shown:
+            self._normals.show(points, style.NORMAL_LENGTH * self._typical * rows["normal"])
+        else:
+            self._normals.show(nothing, nothing)
+        if "friction" in self.shown:
+            arrows = scale * rows["friction_impulse"]
+            long = np.flatnonzero(lengths(arrows) > 0.02 * self._typical)
+            self._impulses.show(points.take(long, axis=0), arrows.take(long, axis=0))
+        else:
+            self._impulses.show(nothing, nothing)
 
     def forget(self) -> None:
         """Time went back: trails begin anew."""
@@ -231,17 +244,7 @@ def _segments(handle: Any, points: Array) -> None:
 
 def _crosses(server: ViserServer, typical: float) -> Any:
     ball = meshes.sphere(0.8 * style.CONTACT_RADIUS * typical)
-    return server.scene.add_batched_meshes_simple(
-        "/centres",
-        ball.vertices,
-        ball.faces,
-        np.array([[1.0, 0.0, 0.0, 0.0]]),
-        np.zeros((1, 3)),
-        batched_colors=style.surface(style.INK),
-        lod="off",
-        cast_shadow=False,
-        visible=False,
-    )
+    return add_instances(server, "/centres", ball, np.zeros((1, 3)), colors=style.surface(style.INK), visible=False)
 
 
 def _centre(body: BodyInfo) -> Array:

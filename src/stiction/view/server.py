@@ -21,6 +21,7 @@ from stiction.record.recorder import Frame
 from stiction.view.mailbox import Mailbox
 from stiction.view.nodes import Batch, add_bodies, add_names
 from stiction.view.overlays import Overlays, body_colors
+from stiction.view.pacer import Pacer
 from stiction.view.panel import Panel
 from stiction.view.session import LiveSession, Session
 from stiction.view.stage import add_grounds, first_view, quiet, set_stage
@@ -78,6 +79,7 @@ class Viewer:
         frame = session.frame()
         self._frame = frame
         self._batches = self._put_up(frame)
+        self._refresh()
         self._thread = threading.Thread(target=self._loop, name="stiction view", daemon=True)
         self._thread.start()
 
@@ -191,30 +193,32 @@ class Viewer:
     # --- the loop -----------------------------------------------------------------------------------------------------
 
     def _loop(self) -> None:
-        period = 1.0 / FRAMES_PER_SECOND
-        last = time.perf_counter()
-        refreshed, then, simulated = 0.0, last, 0.0
+        pacer = Pacer(1.0 / FRAMES_PER_SECOND)
+        then = time.perf_counter()
+        simulated = 0.0
         showing = 0.0  # s that a frame takes, about
         while not self._stopped.is_set():
-            now = time.perf_counter()
-            elapsed, last = now - last, now
+            elapsed = pacer.begin()
             letters = self._mail.take()
             # nobody sees a world that nobody looks at
             if self.clients or letters or self._dirty:
                 with self.lock:
                     before = self._now()
                     self._act(letters)
-                    moved = self.clients > 0 and self._tick(min(elapsed, 2 * period), period - showing)
+                    moved = self.clients > 0 and self._tick(elapsed, pacer.left() - showing)
                     if moved or letters or self._dirty or self._stepped_elsewhere():
                         began = time.perf_counter()
                         self._guarded(self._publish)
                         showing += SMOOTH * (time.perf_counter() - began - showing)
                     simulated += max(0.0, self._now() - before)
-                    if now - refreshed > 1.0 / REFRESHES:
+                    now = time.perf_counter()
+                    if now - then > 1.0 / REFRESHES:
                         self._note = _pace(simulated, now - then, self.session)
-                        then, simulated, refreshed = now, 0.0, now
+                        then, simulated = now, 0.0
                         self._guarded(self._refresh)
-            self._stopped.wait(max(0.001, period - (time.perf_counter() - now)))
+            else:
+                then, simulated = time.perf_counter(), 0.0
+            self._stopped.wait(pacer.rest())
 
     def _stepped_elsewhere(self) -> bool:
         """Whether a program has taken steps of the world since the last frame."""

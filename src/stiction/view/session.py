@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stiction import checks
 from stiction.errors import InvalidInputError, SimulationError
-from stiction.record.classify import fixed_bodies
+from stiction.record.classify import fixed_bodies, lengths
 from stiction.record.frames import BodyInfo, Frames
 from stiction.record.recorder import Frame, Recorder, body_infos, capture
 from stiction.view.grab import Grab
@@ -115,7 +115,7 @@ class Session:
         """N: that on the picked body, or without one the magnitudes of all contacts added up."""
         rows = frame.contacts
         if self.picked is None:
-            return float(np.linalg.norm(rows["friction_impulse"], axis=1).sum()) / dt
+            return float(lengths(rows["friction_impulse"]).sum()) / dt
         on_a, on_b = rows["body_a"] == self.picked, rows["body_b"] == self.picked
         force = rows["friction_impulse"][on_b].sum(axis=0) - rows["friction_impulse"][on_a].sum(axis=0)
         return float(np.linalg.norm(force)) / dt
@@ -299,9 +299,11 @@ class LiveSession(Session):
 
     def _note_pairs(self, frame: Frame) -> None:
         rows = frame.contacts
-        a, b = self._material[rows["body_a"]], self._material[rows["body_b"]]
-        for code in np.unique(np.minimum(a, b) * len(self._materials) + np.maximum(a, b)).tolist():
-            pair = self._materials[code // len(self._materials)], self._materials[code % len(self._materials)]
+        count = len(self._materials)
+        a, b = self._material.take(rows["body_a"]), self._material.take(rows["body_b"])
+        touching = np.bincount(np.minimum(a, b) * count + np.maximum(a, b), minlength=count * count)
+        for code in np.flatnonzero(touching).tolist():
+            pair = self._materials[code // count], self._materials[code % count]
             if pair not in self._pairs:
                 self._pairs.append(pair)
 

@@ -13,6 +13,7 @@ from stiction.record.frames import Frames
 from stiction.record.recorder import Frame
 from stiction.shapes import Plane
 from stiction.view import camera, meshes, style
+from stiction.view.instances import add_instances
 from stiction.view.survey import Survey, matrices, quaternion, world_corners
 
 if TYPE_CHECKING:
@@ -88,17 +89,7 @@ def add_grounds(server: ViserServer, frames: Frames, seen: Survey, view: camera.
         holder = server.scene.add_frame(name, show_axes=False)
         patch = {"wxyz": quaternion(frame), "position": frame @ np.array([*(low + high) / 2, plane.offset])}
         block = _block((high - low) / 2, rotation @ frame, 0.25 * seen.cell, wedge=not moves[n])
-        server.scene.add_batched_meshes_simple(
-            f"{name}/block",
-            block.vertices,
-            block.faces,
-            np.array([[1.0, 0.0, 0.0, 0.0]]),
-            np.zeros((1, 3)),
-            batched_colors=style.surface(style.GROUND),
-            lod="off",
-            cast_shadow=False,
-            **patch,
-        )
+        add_instances(server, f"{name}/block", block, np.zeros((1, 3)), colors=style.surface(style.GROUND), **patch)
         updates.append(_follower(holder, n))
         if float(normal @ (view.position - view.look_at)) < 0.0:
             continue  # a wall between the reader and the scene: its grid would lie over everything
@@ -125,10 +116,14 @@ def add_grounds(server: ViserServer, frames: Frames, seen: Survey, view: camera.
 
 def _follower(handle: Any, n: int) -> Update:
     """Keeps a node where body n is."""
+    there: list[float] = []
 
     def update(frame: Frame) -> None:
-        handle.position = frame.positions[n]
-        handle.wxyz = frame.orientations[n]
+        nonlocal there
+        here = [*frame.positions[n].tolist(), *frame.orientations[n].tolist()]
+        if here != there:  # most grounds never move, and viser takes long to find that out
+            there = here
+            handle.position, handle.wxyz = frame.positions[n], frame.orientations[n]
 
     return update
 
