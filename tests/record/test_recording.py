@@ -162,6 +162,8 @@ with world.record(sys.argv[1], every=2) as writer:
         world.step()
         if world.steps == 150:
             world["box 4"].velocity = (0, 0, 5)
+        if world.steps % 7 == 0:
+            writer.flush()
 """
 
 
@@ -175,18 +177,23 @@ def test_after_a_kill_all_that_was_flushed_opens_and_its_hashes_hold(tmp_path: P
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         assert process.stdout is not None
         flushed = int(process.stdout.readline())
+        seen = []
         with st.Recording.open(path) as recording:
-            while recording.last_step < 400:  # while it is being written
-                time.sleep(0.02)
+            while recording.last_step < 700:  # while it is being written
+                time.sleep(0.01)
                 recording.refresh()
+                seen.append(recording.positions())
         process.send_signal(signal.SIGKILL)
         process.wait()
     assert process.returncode == -signal.SIGKILL
     with st.Recording.open(path) as recording:
-        assert recording.last_step >= 400 > flushed == 100
+        assert recording.last_step >= 700 > flushed == 100
         assert recording.outcome == "not closed"
         assert np.isfinite(recording.positions()).all()
-        assert len(recording) > 100
+        whole = recording.positions()
+        assert len(whole) > 300
+        for part in seen:
+            np.testing.assert_array_equal(part, whole[: len(part)])
         assert recording.check(stop=400 / 60).same
         assert recording.check(start=(recording.last_step - 5) / 60).same
     size = path.stat().st_size
@@ -194,6 +201,43 @@ def test_after_a_kill_all_that_was_flushed_opens_and_its_hashes_hold(tmp_path: P
     cut.write_bytes(path.read_bytes()[: size // 2])
     with pytest.raises(InvalidInputError, match=r"cut\.h5' cannot be opened: it is cut off, .*\.$"):
         st.Recording.open(cut)
+
+
+KILLS_ITSELF = """
+import os, signal, sys
+from tests_worlds import tower
+world = tower()
+writer = world.record(sys.argv[1], every=2, contacts=True)
+for _ in range(5):
+    world.step(37)
+    world["box 4"].velocity = (0, 0, 1)
+    writer.flush()
+world.step()
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="only there can a process be killed without a word")
+def test_frames_that_fill_no_piece_outlive_their_process(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    (tmp_path / "tests_worlds.py").write_text((Path(__file__).parent / "worlds.py").read_text())
+    folders = [str(tmp_path), str(Path(st.__file__).parents[1])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(folders)}
+    done = subprocess.run([sys.executable, "-c", KILLS_ITSELF, str(path)], env=environment, check=False)
+    assert done.returncode == -signal.SIGKILL
+    world, expected = tower(), []
+    for step in range(186):
+        if step and step % 37 == 0:
+            world["box 4"].velocity = (0, 0, 1)
+        if step % 2 == 0:
+            expected.append(world.positions.copy())
+        world.step()
+    with st.Recording.open(path) as recording:
+        assert (len(recording), recording.last_step, recording.outcome) == (93, 185, "not closed")
+        assert len(recording) % 64 > 0, "or nothing would be left over"
+        np.testing.assert_allclose(recording.positions(), expected, rtol=6e-8, atol=1e-30)
+        assert recording.frames().motion.shape == (93, 5)
+        assert recording.check().same
 
 
 def test_a_disk_that_takes_no_more_is_told_in_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -21,8 +21,8 @@ PIECE_NUMBERS = 1 << 15
 """Bodies times frames of a piece of a frame array, about: larger ones deflate little better, and are full later."""
 PIECE_FRAMES = (8, 64)
 """Frames of a piece at least and at most."""
-PIECE_BODIES = 256
-"""Bodies of a piece at most: whoever reads one body reads those beside it, too."""
+PIECE_BODIES = 512
+"""Bodies of a piece at most: whoever reads one body reads those beside it, too; small pieces take longer to write."""
 LEVEL = 1
 """Of deflating: higher ones take longer and save a few percent."""
 TAIL_BYTES = 1 << 13
@@ -153,9 +153,10 @@ class PackedColumn:
         self.dataset.resize((self._base + len(rows), *self._shape))
         for start in range(0, len(rows), self.rows):
             piece = rows[start : start + self.rows]
-            stored = to_differences(piece, self._order) if self._order else piece
             for body in range(0, self._shape[0], self._spans[0]) if self._shape else (0,):
-                part = stored[:, body : body + self._spans[0]] if self._shape else stored
+                part = piece[:, body : body + self._spans[0]] if self._shape else piece
+                if self._order:
+                    part = to_differences(np.ascontiguousarray(part), self._order)
                 if part.shape != (self.rows, *self._spans):
                     full = np.zeros((self.rows, *self._spans), part.dtype)
                     full[tuple(slice(size) for size in part.shape)] = part

@@ -25,7 +25,7 @@ def code_type(dtype: DTypeLike) -> np.dtype[Any]:
 def codes_of(values: NDArray[Any]) -> Codes:
     """Codes of numbers: in the order of the numbers if read as signed whole numbers."""
     codes = values.view(code_type(values.dtype))
-    return _turned(codes) if values.dtype.kind == "f" else codes
+    return _turned(codes) if values.dtype.kind == "f" else codes.copy()
 
 
 def values_of(codes: Codes, dtype: DTypeLike) -> NDArray[Any]:
@@ -44,15 +44,24 @@ def code_of_nothing(dtype: DTypeLike) -> Any:
 def _turned(codes: Codes) -> Codes:
     """Bits of floating-point numbers to codes, and back."""
     signed = codes.view(f"i{codes.dtype.itemsize}")
-    below_sign = np.array(np.iinfo(signed.dtype).max, signed.dtype)
-    flipped: Codes = (signed ^ ((signed >> _top(codes)) & below_sign)).view(codes.dtype)
-    return flipped
+    flipped = signed >> _top(codes)
+    flipped &= np.iinfo(signed.dtype).max
+    flipped ^= signed
+    result: Codes = flipped.view(codes.dtype)
+    return result
 
 
-def folded(differences: Codes) -> Codes:
-    """Differences of either sign as 0, -1, 1, -2, 2 … -> 0, 1, 2, 3, 4 …: small ones have zeros in their high bytes."""
+def folded(differences: Codes, scratch: Codes | None = None) -> Codes:
+    """Differences of either sign as 0, -1, 1, -2, 2 … -> 0, 1, 2, 3, 4 …: small ones have zeros in their high bytes.
+
+    With ``scratch``, an array of the same shape and type, no memory is taken but that of both, which are changed.
+    """
     signed = differences.view(f"i{differences.dtype.itemsize}")
-    result: Codes = ((signed << 1) ^ (signed >> _top(differences))).view(differences.dtype)
+    out = None if scratch is None else scratch.view(signed.dtype)
+    signs = np.right_shift(signed, _top(differences), out=out)
+    doubled = np.left_shift(signed, 1, out=None if scratch is None else signed)
+    doubled ^= signs
+    result: Codes = doubled.view(differences.dtype)
     return result
 
 
@@ -81,11 +90,12 @@ def to_differences(values: NDArray[Any], order: int) -> Codes:
     """
     codes = codes_of(values)
     result = np.empty_like(codes)
-    result[:1] = codes[:1] - code_of_nothing(values.dtype)
+    np.subtract(codes[:1], code_of_nothing(values.dtype), out=result[:1])
     np.subtract(codes[1:], codes[:-1], out=result[1:])
     if order == 2:
-        result[2:] -= result[1:-1].copy()
-    return folded(result)
+        codes[2:] = result[1:-1]
+        np.subtract(result[2:], codes[2:], out=result[2:])
+    return folded(result, scratch=codes)
 
 
 def from_differences(stored: Codes, order: int, dtype: DTypeLike) -> NDArray[Any]:
