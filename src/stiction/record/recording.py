@@ -242,7 +242,7 @@ class Recording:
                 self._packed[name].read(slice(0, self._lengths[name])) for name in ("inputs/rows", "inputs/numbers")
             )
             if self.format_version > 2:
-                numbers = decode_numbers(rows, numbers)
+                numbers = decode_numbers(rows, numbers, int(self._file["inputs/numbers"].attrs["differences"]))
             return list(read_inputs(rows, numbers, self._texts()))
         except (*UNREADABLE, StopIteration) as error:
             raise layout.damaged(self.path, error) from None
