@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -21,6 +23,7 @@ from stiction.record.recorder import Recorder
 
 from .worlds import tower
 
+PAGE = Path(__file__).parents[2] / "docs" / "recordings.md"
 VERSION_1 = Path(__file__).parent / "data" / "version-1.h5"
 """The first 0.2 s of push-and-release, every fifth step, as version 1 wrote them."""
 VERSION_1_END = "push-and-release", ["duration=0.2"]
@@ -297,6 +300,14 @@ def test_the_page_on_recordings_tells_how_to_read_the_frames(precision: str, tmp
     with st.Recording.open(tmp_path / "run.h5") as recording, h5py.File(tmp_path / "run.h5") as file:
         for name in ("positions", "orientations", "velocities", "angular_velocities"):
             np.testing.assert_array_equal(undone(file[f"frames/{name}"]), recording.stored(name, slice(0, 111)))
+        if precision == "display":
+            block = re.search(r"```python\n(import numpy as np\n\ndef undone.*?)```", PAGE.read_text(), re.DOTALL)
+            assert block is not None
+            names: dict[str, Any] = {}
+            exec(block[1], names)  # the page's own function
+            stored = file["frames/positions"][:]
+            np.testing.assert_array_equal(names["undone"](stored[:64]), recording.stored("positions", slice(0, 64)))
+            np.testing.assert_array_equal(names["undone"](stored[64:]), recording.stored("positions", slice(64, 111)))
         assert np.isnan(recording.positions(3)[:41]).all() and np.isfinite(recording.positions(3)[41:]).all()
         assert recording.frame_steps.tolist() == list(range(111))
 
