@@ -19,6 +19,7 @@ import stiction as st
 from stiction import InvalidInputError, OutputError
 from stiction.record.file_writer import FileWriter
 from stiction.record.hdf5 import load_frames, restore
+from stiction.record.packed import PackedRows
 from stiction.record.recorder import Recorder
 
 from .worlds import tower
@@ -151,6 +152,28 @@ def test_a_recording_is_read_while_it_is_written(tmp_path: Path) -> None:
         assert (len(reader), reader.last_step, reader.bodies[-1].name) == (21, 40, "late")
         np.testing.assert_allclose(reader.positions("box 2")[-1], world["box 2"].position, rtol=1e-6, atol=1e-30)
         assert reader.check().same
+
+
+def test_a_place_in_a_tail_that_is_used_again_while_it_is_read_is_noticed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world, real, late = tower(2), PackedRows.keep, [True]
+    with world.record(tmp_path / "run.h5", every=1) as writer:
+        world.step(59)
+        writer.flush()
+
+        def keep(packed: PackedRows, length: int) -> None:
+            if late.pop() if late else False:  # between the lengths and the rows that belong to them
+                world.step(100)
+                writer.flush()
+            real(packed, length)
+
+        monkeypatch.setattr(PackedRows, "keep", keep)
+        with st.Recording.open(tmp_path / "run.h5") as reader:
+            assert not late and len(reader) == 160 and len(reader) % 64 != 60 % 64
+            seen = reader.positions()
+    with st.Recording.open(tmp_path / "run.h5") as recording:
+        np.testing.assert_array_equal(recording.positions(), seen)
 
 
 KILLED = """

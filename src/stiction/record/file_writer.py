@@ -247,7 +247,7 @@ class FileWriter:
             self._file.close()
 
     def _write(self, writes: list[Callable[[], None]]) -> None:
-        """Write plain columns and, so, the packed ones, and how long all of them are now."""
+        """Write the packed columns by these calls, then the plain ones, and at last how long all of them are."""
         try:
             for write in (*writes, *(column.write for column in self._plain.values())):
                 write()

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 TRIES = 20
-"""To read a file of which a piece became full while it was read; each takes a hundredth of what that takes."""
+"""How often a file is read anew in which a piece became full meanwhile: to read takes much less time than a piece."""
 UNREADABLE = (KeyError, ValueError, TypeError, OSError, RuntimeError, IndexError)
 """What h5py and what reads its data raise where a file does not hold what it should."""
 
@@ -161,9 +161,9 @@ class Recording:
         """Lengths of the data sets at the last commit that they all hold; the rows of tails are copied."""
         for _ in range(TRIES):
             lengths = self._see_lengths()
+            seen = [packed.packed for packed in self._packed.values()]
             for name, packed in self._packed.items():
                 packed.keep(lengths["frames/steps" if name.startswith("frames/") else name])
-            seen = [packed.packed for packed in self._packed.values()]
             for packed in self._packed.values():
                 packed.refresh()
             if seen == [packed.packed for packed in self._packed.values()]:
