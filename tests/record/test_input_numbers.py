@@ -52,7 +52,7 @@ def test_what_is_set_again_and_again_costs_next_to_nothing() -> None:
     rows["body"], rows["what"] = np.tile([4, 9, 5], 1000), KINDS.index("velocity")
     numbers = np.tile(np.array([[0.1, 0.2, 0.3], [-1 / 3, 0, 7], [1e-9, 3, 2]]), (1000, 1)).ravel()
     stored = encoded(rows, numbers, 50)
-    assert not stored[27:].any(), "only the first three settings of each body"
+    assert not stored[36:].any(), "only the first four settings of each body"
     moving = numbers.reshape(-1, 3, 3) + np.linspace(0, 1, 1000)[:, None, None]  # now each a little further
     less = encoded(rows, moving.ravel(), 50)
     planes = less.view(np.uint8).reshape(-1, 8).T.tobytes()

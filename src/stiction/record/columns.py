@@ -27,6 +27,8 @@ LEVEL = 1
 """Of deflating: higher ones take longer and save a few percent."""
 TAIL_BYTES = 1 << 13
 """Of a piece of a tail, about: with larger ones more would be written than is new."""
+TAIL_BODIES = 128
+"""Bodies of such a piece at most: nothing deflates what a last one has more than there are bodies."""
 
 
 class PlainColumn:
@@ -89,9 +91,10 @@ class PackedColumn:
         if order:
             self.dataset.attrs["differences"] = order
             self.dataset.attrs["type"] = self._dtype.str
-        at_once = max(1, min(rows, TAIL_BYTES // (math.prod(self._spans) * self._dtype.itemsize)))
+        beside = tuple(min(size, TAIL_BODIES) for size in self._spans[:1]) + shape[1:]
+        at_once = max(1, min(rows, TAIL_BYTES // (math.prod(beside) * self._dtype.itemsize)))
         self.tail = file.create_dataset(
-            f"{TAILS}/{name}", (rows, *shape), dtype, maxshape=(rows, *growing), chunks=(at_once, *self._spans),
+            f"{TAILS}/{name}", (rows, *shape), dtype, maxshape=(rows, *growing), chunks=(at_once, *beside),
             fillvalue=self._nothing if self._dtype.names is None else None,
         )  # fmt: skip
         self._waiting: list[NDArray[Any]] = []

@@ -1,7 +1,7 @@
 """The numbers of inputs as they are stored: what is set in every step, such as the speed of a wall, changes little.
 
-From a number that was set, the one before it of the same kind and body is taken, and so with what is left, twice more:
-third differences of codes, see :mod:`stiction.record.differences`, over the whole file, with zeros before the first.
+From a number that was set, the one before it of the same kind and body is taken, and so with what is left, thrice more:
+fourth differences of codes, see :mod:`stiction.record.differences`, over the whole file, with zeros before the first.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from stiction.record.differences import Codes, codes_of, folded, unfolded, values_of
 from stiction.record.inputs import WIDTHS_BY_CODE
 
-ORDER = 3
+ORDER = 4
 """How often the difference is taken: a wall that is led by a formula takes a quarter less than with one difference.
 What is set to anything takes a bit more of 64 with each."""
 
