@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stiction.core import pairs
 from stiction.errors import InvalidInputError
 from stiction.hulls import HullTable
 from stiction.shapes import ConvexHull
@@ -34,6 +35,11 @@ NOT_KEPT = {
 """Attributes of a store that follow from the others, or from the settings and materials of its world."""
 ACROSS = {"scratch.bodies", "desk.lists", "cache.lists"}
 """Matrices that have bodies in their columns; the others have them, or pairs, or contacts, in their rows."""
+LISTS = {"cache.pairs": pairs.PAIRS, "cache.begun": pairs.BEGUN, "cache.ended": pairs.ENDED, "cache.free": pairs.FREE}
+"""Lists with the entry of ``cache.counts`` that says how many of their rows are in use."""
+BY_SLOT = ("soft.manifolds", "soft.meta", "soft.reports", "soft.corners")
+"""Arrays with a row for each slot of a pair, after one for none. A slot is cleared when a pair begins, so what is left
+in a free one means nothing."""
 WORLD = "world"
 """The entry with what the world keeps beside its store, JSON."""
 HULLS = "hulls/"
@@ -58,6 +64,7 @@ def take(world: World) -> Snapshot:
             raise TypeError(f"a snapshot knows no attribute {name!r} of {type(world._store).__name__}")
     for number, points in enumerate(world._store.hulls.points()):
         result[f"{HULLS}{number}"] = points
+    _forget_what_is_free(result)
     beside = {
         "material_names": world._material_names,
         "added": world._added,
@@ -149,6 +156,19 @@ def _scratch(world: World) -> set[str]:
 
 def _kept(array: NDArray[Any], shape_alone: bool) -> NDArray[Any]:
     return np.array(array.shape, np.int64) if shape_alone else array.copy()
+
+
+def _forget_what_is_free(snapshot: Snapshot) -> None:
+    """Zeros for rows that nobody will read: in a heap that is stirred they are half of all, and would take as much
+    place."""
+    if "cache.counts" not in snapshot:
+        return
+    counts = snapshot["cache.counts"]
+    for name, count in LISTS.items():
+        snapshot[name][counts[count] :] = 0
+    free = snapshot["cache.free"][: counts[pairs.FREE]] + 1
+    for name in BY_SLOT:
+        snapshot[name][free] = 0
 
 
 def _entry(snapshot: Snapshot, name: str) -> NDArray[Any]:

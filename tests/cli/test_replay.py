@@ -9,6 +9,7 @@ import h5py
 import pytest
 
 import stiction as st
+from stiction.record.input_numbers import InputNumbers, decode_numbers
 
 from .support import call
 
@@ -30,7 +31,10 @@ def record(tmp_path: Path) -> Path:
 
 def spoil(path: Path) -> None:
     with h5py.File(path, "r+") as file:
-        file["inputs/numbers"][0] = 1.0
+        rows, stored = file["inputs/rows"][:], file["inputs/numbers"]
+        numbers = decode_numbers(rows, stored[:])
+        numbers[0] = 1.0
+        stored[:] = InputNumbers().encode(rows, numbers)
 
 
 def test_a_recording_that_was_run_with_a_scene_is_the_same_again(

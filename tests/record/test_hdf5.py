@@ -56,31 +56,11 @@ def test_a_file_holds_what_memory_holds(tmp_path: Path) -> None:
     assert frames.meta["scene"] == simulation.scene.to_dict()
 
 
-def test_pieces_that_grow_slowly_are_not_written_over_and_over(tmp_path: Path) -> None:
-    rng = np.random.default_rng(0)
-    sizes, rows = {}, rng.normal(size=(64, 200, 3))
-    for least in (0.0, 0.5):
-        path = tmp_path / f"{least}.h5"
-        with h5py.File(path, "w", libver=("v110", "v110")) as file:
-            column = columns.PackedColumn(file, "x", "f8", 200, 3, 32)
-            file.swmr_mode = True
-            for k in range(64):
-                column.add(rows[k : k + 1])
-                column.write(True, least)
-                assert k + 1 - 16 <= column.length <= k + 1
-            column.write(True)
-            np.testing.assert_array_equal(file["x"][:], rows, strict=True)
-        sizes[least] = path.stat().st_size
-    assert sizes[0.5] < 1.7 * rows.nbytes
-    assert sizes[0.0] > 10 * rows.nbytes, "or there would be nothing to avoid"
-
-
 def test_frames_are_written_in_many_pieces_alike(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(writer_module, "BATCH_STEPS", 7)
     monkeypatch.setattr(columns, "PIECE_FRAMES", (4, 5))
     monkeypatch.setattr(columns, "PIECE_BODIES", 3)
     monkeypatch.setattr(worker, "COMMIT_SECONDS", 0.0)
-    monkeypatch.setattr(worker, "PARTIAL_SECONDS", 0.0)
     simulation = crates()
     recorder = Recorder(simulation.world, simulation.scene.title)
     with RecordingWriter(tmp_path / "run.h5", simulation, 1, True, precision="full") as writer:
@@ -360,7 +340,7 @@ def test_a_file_that_is_no_recording_is_refused_with_one_sentence(read: Any, tmp
         "empty": "is not a recording of stiction: it is no HDF5 file",
         "other": "is not a recording of stiction, but another HDF5 file",
         "damaged": "is damaged: ",
-        "newer": "must have format version 1 or 2, got 99",
+        "newer": "must have format version 1, 2, 3, got 99",
         "half": "cannot be opened: ",
     }
     for name, sentence in expected.items():

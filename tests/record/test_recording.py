@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -17,13 +19,18 @@ import stiction as st
 from stiction import InvalidInputError, OutputError
 from stiction.record.file_writer import FileWriter
 from stiction.record.hdf5 import load_frames, restore
+from stiction.record.packed import PackedRows
 from stiction.record.recorder import Recorder
 
 from .worlds import tower
 
+PAGE = Path(__file__).parents[2] / "docs" / "recordings.md"
 VERSION_1 = Path(__file__).parent / "data" / "version-1.h5"
-"""The first 0.2 s of push-and-release, every fifth step, as the version before wrote them."""
+"""The first 0.2 s of push-and-release, every fifth step, as version 1 wrote them."""
 VERSION_1_END = "push-and-release", ["duration=0.2"]
+VERSION_2 = VERSION_1.with_name("version-2.h5")
+"""40 steps of a ball that lands on a crate, every fifth step, with contacts, as version 2 wrote them; after 20 steps
+the crate is pushed, and another one comes."""
 
 
 @pytest.fixture(scope="module")
@@ -147,6 +154,28 @@ def test_a_recording_is_read_while_it_is_written(tmp_path: Path) -> None:
         assert reader.check().same
 
 
+def test_a_place_in_a_tail_that_is_used_again_while_it_is_read_is_noticed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    world, real, late = tower(2), PackedRows.keep, [True]
+    with world.record(tmp_path / "run.h5", every=1) as writer:
+        world.step(59)
+        writer.flush()
+
+        def keep(packed: PackedRows, length: int) -> None:
+            if late.pop() if late else False:  # between the lengths and the rows that belong to them
+                world.step(100)
+                writer.flush()
+            real(packed, length)
+
+        monkeypatch.setattr(PackedRows, "keep", keep)
+        with st.Recording.open(tmp_path / "run.h5") as reader:
+            assert not late and len(reader) == 160 and len(reader) % 64 != 60 % 64
+            seen = reader.positions()
+    with st.Recording.open(tmp_path / "run.h5") as recording:
+        np.testing.assert_array_equal(recording.positions(), seen)
+
+
 KILLED = """
 import sys
 from tests_worlds import tower
@@ -159,6 +188,8 @@ with world.record(sys.argv[1], every=2) as writer:
         world.step()
         if world.steps == 150:
             world["box 4"].velocity = (0, 0, 5)
+        if world.steps % 7 == 0:
+            writer.flush()
 """
 
 
@@ -172,18 +203,23 @@ def test_after_a_kill_all_that_was_flushed_opens_and_its_hashes_hold(tmp_path: P
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
         assert process.stdout is not None
         flushed = int(process.stdout.readline())
+        seen = []
         with st.Recording.open(path) as recording:
-            while recording.last_step < 400:  # while it is being written
-                time.sleep(0.02)
+            while recording.last_step < 700:  # while it is being written
+                time.sleep(0.01)
                 recording.refresh()
+                seen.append(recording.positions())
         process.send_signal(signal.SIGKILL)
         process.wait()
     assert process.returncode == -signal.SIGKILL
     with st.Recording.open(path) as recording:
-        assert recording.last_step >= 400 > flushed == 100
+        assert recording.last_step >= 700 > flushed == 100
         assert recording.outcome == "not closed"
         assert np.isfinite(recording.positions()).all()
-        assert len(recording) > 100
+        whole = recording.positions()
+        assert len(whole) > 300
+        for part in seen:
+            np.testing.assert_array_equal(part, whole[: len(part)])
         assert recording.check(stop=400 / 60).same
         assert recording.check(start=(recording.last_step - 5) / 60).same
     size = path.stat().st_size
@@ -191,6 +227,43 @@ def test_after_a_kill_all_that_was_flushed_opens_and_its_hashes_hold(tmp_path: P
     cut.write_bytes(path.read_bytes()[: size // 2])
     with pytest.raises(InvalidInputError, match=r"cut\.h5' cannot be opened: it is cut off, .*\.$"):
         st.Recording.open(cut)
+
+
+KILLS_ITSELF = """
+import os, signal, sys
+from tests_worlds import tower
+world = tower()
+writer = world.record(sys.argv[1], every=2, contacts=True)
+for _ in range(5):
+    world.step(37)
+    world["box 4"].velocity = (0, 0, 1)
+    writer.flush()
+world.step()
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="only there can a process be killed without a word")
+def test_frames_that_fill_no_piece_outlive_their_process(tmp_path: Path) -> None:
+    path = tmp_path / "run.h5"
+    (tmp_path / "tests_worlds.py").write_text((Path(__file__).parent / "worlds.py").read_text())
+    folders = [str(tmp_path), str(Path(st.__file__).parents[1])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(folders)}
+    done = subprocess.run([sys.executable, "-c", KILLS_ITSELF, str(path)], env=environment, check=False)
+    assert done.returncode == -signal.SIGKILL
+    world, expected = tower(), []
+    for step in range(186):
+        if step and step % 37 == 0:
+            world["box 4"].velocity = (0, 0, 1)
+        if step % 2 == 0:
+            expected.append(world.positions.copy())
+        world.step()
+    with st.Recording.open(path) as recording:
+        assert (len(recording), recording.last_step, recording.outcome) == (93, 185, "not closed")
+        assert len(recording) % 64 > 0, "or nothing would be left over"
+        np.testing.assert_allclose(recording.positions(), expected, rtol=6e-8, atol=1e-30)
+        assert recording.frames().motion.shape == (93, 5)
+        assert recording.check().same
 
 
 def test_a_disk_that_takes_no_more_is_told_in_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -210,10 +283,83 @@ def test_a_disk_that_takes_no_more_is_told_in_one_sentence(tmp_path: Path, monke
         assert len(recording) == 1
 
 
+def undone(dataset: h5py.Dataset) -> list[list[list[float]]]:
+    """An array of frames as docs/recordings.md tells to read it, word by word, with whole numbers of Python."""
+    kind, order = np.dtype(dataset.attrs["type"]), int(dataset.attrs["differences"])
+    bits, rows, stored = 8 * kind.itemsize, dataset.chunks[0], dataset[:].tolist()
+    whole, top = 1 << bits, 1 << (bits - 1)
+    start = {"f4": 0x7FC00000, "f2": 0x7E00, "f8": 0x7FF8000000000000, "i2": 0}[kind.str[1:]]
+
+    def number(code: int) -> float:
+        signed = code - whole if code >= top else code
+        if kind.kind == "i":
+            return signed
+        pattern = signed if signed >= 0 else signed ^ (top - 1)
+        return float(np.array(pattern % whole, f"u{kind.itemsize}").view(kind))
+
+    result = np.zeros(dataset.shape).tolist()
+    for body in range(dataset.shape[1]):
+        for axis in range(dataset.shape[2]):
+            for k in range(len(stored)):
+                folded = stored[k][body][axis]
+                difference = folded // 2 if folded % 2 == 0 else -(folded + 1) // 2
+                if k % rows == 0:
+                    code, step = start + difference, 0
+                else:
+                    step = difference if order == 1 else step + difference
+                    code += step
+                code %= whole
+                result[k][body][axis] = number(code)
+    return result
+
+
+@pytest.mark.parametrize("precision", ["display", "full"])
+def test_the_page_on_recordings_tells_how_to_read_the_frames(precision: str, tmp_path: Path) -> None:
+    world = tower(2)
+    with world.record(tmp_path / "run.h5", every=1, precision=precision):
+        world.step(40)
+        world.add(st.Sphere(0.3), position=(-5, 5, 3))
+        world.step(70)  # 111 frames: one piece and a part of one
+    with st.Recording.open(tmp_path / "run.h5") as recording, h5py.File(tmp_path / "run.h5") as file:
+        for name in ("positions", "orientations", "velocities", "angular_velocities"):
+            np.testing.assert_array_equal(undone(file[f"frames/{name}"]), recording.stored(name, slice(0, 111)))
+        if precision == "display":
+            block = re.search(r"```python\n(import numpy as np\n\ndef undone.*?)```", PAGE.read_text(), re.DOTALL)
+            assert block is not None
+            names: dict[str, Any] = {}
+            exec(block[1], names)  # the page's own function
+            stored = file["frames/positions"][:]
+            np.testing.assert_array_equal(names["undone"](stored[:64]), recording.stored("positions", slice(0, 64)))
+            np.testing.assert_array_equal(names["undone"](stored[64:]), recording.stored("positions", slice(64, 111)))
+        assert np.isnan(recording.positions(3)[:41]).all() and np.isfinite(recording.positions(3)[41:]).all()
+        assert recording.frame_steps.tolist() == list(range(111))
+
+
 # --- earlier versions -------------------------------------------------------------------------------------------------
 
 
-def test_a_recording_of_the_version_before_still_opens() -> None:
+def test_a_recording_of_version_2_still_opens(tmp_path: Path) -> None:
+    """Its snapshots fit the engine of its time alone: what is asked here is that everything else is read as before."""
+    with st.Recording.open(VERSION_2) as recording, h5py.File(VERSION_2) as file:
+        assert (recording.format_version, recording.last_step, recording.precision) == (2, 40, "display")
+        assert [body.name for body in recording.bodies] == ["plane 0", "crate", "ball", "late"]
+        frames = recording.frames()
+        assert frames.positions.shape == (9, 4, 3)
+        for name in ("positions", "velocities", "angular_velocities"):
+            np.testing.assert_array_equal(getattr(frames, name), file[f"frames/{name}"][:].astype(np.float64))
+        np.testing.assert_array_equal(recording.positions("ball", 0.25, 0.5), frames.positions[3:7, 2])
+        np.testing.assert_allclose(np.linalg.norm(frames.orientations[:, :3], axis=2), 1.0, rtol=1e-12)
+        assert np.isfinite(recording.positions("late")).all(axis=1).tolist() == [False] * 5 + [True] * 4
+        np.testing.assert_array_equal(frames.motion, file["frames/motion"][:, :, 0])
+        assert len(recording.contacts(40)) == file["frames/contact_ends"][8] - file["frames/contact_ends"][7] > 0
+        push, *_, added = recording.inputs()
+        assert (push.step, push.what, push.numbers.tolist()) == (20, "force", [2000.0, 0.0, 0.0])
+        assert added.text is not None and added.text["body"]["name"] == "late"
+        assert len(recording.hashes) == 41 and recording.checkpoint_steps.tolist() == [0]
+        recording.export(tmp_path / "ball.glb")
+
+
+def test_a_recording_of_version_1_still_opens() -> None:
     from stiction.scene import Simulation, load
 
     simulation = Simulation(load(*VERSION_1_END))
@@ -238,7 +384,7 @@ def test_a_recording_of_the_version_before_still_opens() -> None:
     assert restore(VERSION_1).world.positions.tolist() == file.positions[0].tolist()
 
 
-def test_a_recording_of_the_version_before_can_be_compared_frame_by_frame(tmp_path: Path) -> None:
+def test_a_recording_of_version_1_can_be_compared_frame_by_frame(tmp_path: Path) -> None:
     """Whether its physics is still ours is not the question here, so the frames are made by what runs now."""
     path = tmp_path / "run.h5"
     path.write_bytes(VERSION_1.read_bytes())

@@ -11,6 +11,7 @@ import pytest
 
 import stiction as st
 from stiction import InvalidInputError
+from stiction.record.input_numbers import InputNumbers, decode_numbers
 from stiction.record.inputs import COLUMNS, FRICTION, GRAVITY, KINDS, TEXT, VIEW
 from stiction.record.layout import OPEN_OUTCOME
 from stiction.record.replay import check
@@ -220,14 +221,21 @@ def recorded(path: Path, precision: str = "display") -> None:
         world.step(40)
 
 
+def set_first_number(path: Path, before: float, after: float) -> None:
+    """Of the inputs of a recording: the push's x."""
+    with h5py.File(path, "r+") as file:
+        rows, stored = file["inputs/rows"][:], file["inputs/numbers"]
+        numbers = decode_numbers(rows, stored[:])
+        assert numbers[0] == before
+        numbers[0] = after
+        stored[:] = InputNumbers().encode(rows, numbers)
+
+
 def test_an_input_that_is_another_one_is_found_at_its_step(tmp_path: Path) -> None:
     """Half a millionth of a force is seen by hashes at once; how much it makes, by the frames or snapshots after it."""
     path = tmp_path / "run.h5"
     recorded(path)
-    with h5py.File(path, "r+") as file:
-        numbers = file["inputs/numbers"]
-        assert numbers[0] == 4000.0
-        numbers[0] = 4000.002
+    set_first_number(path, 4000.0, 4000.002)
     with st.Recording.open(path) as recording:
         result = recording.check()
         assert not result.same
@@ -235,8 +243,7 @@ def test_an_input_that_is_another_one_is_found_at_its_step(tmp_path: Path) -> No
         assert {one.step for one in result.bodies} <= {30, 40, 50} and result.bodies
         assert 0 < max(one.position for one in result.bodies) < 1e-3
         assert recording.check(stop=20 / 60).same, "up to there nothing differs"
-    with h5py.File(path, "r+") as file:
-        file["inputs/numbers"][0] = 8000.0
+    set_first_number(path, 4000.002, 8000.0)
     with st.Recording.open(path) as recording:
         result = recording.check()
         assert result.differs_at == 21

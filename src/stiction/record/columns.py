@@ -6,6 +6,7 @@ HDF5 takes pieces that are ready: shuffled and deflated as its own filters do, s
 
 from __future__ import annotations
 
+import math
 import zlib
 from typing import Any
 
@@ -13,16 +14,21 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.record.layout import FRAME_TYPES, HALF_MAX, HALF_MIN, QUATERNION_SCALE
+from stiction.record.differences import code_type, to_differences
+from stiction.record.layout import FRAME_TYPES, HALF_MAX, HALF_MIN, QUATERNION_SCALE, TAILS
 
-PIECE_NUMBERS = 1 << 14
-"""Bodies times frames of a piece of a frame array, about: larger ones deflate no better, and are full later."""
-PIECE_FRAMES = (4, 64)
+PIECE_NUMBERS = 1 << 15
+"""Bodies times frames of a piece of a frame array, about: larger ones deflate little better, and are full later."""
+PIECE_FRAMES = (8, 64)
 """Frames of a piece at least and at most."""
-PIECE_BODIES = 256
-"""Bodies of a piece at most: whoever reads one body reads those beside it, too."""
+PIECE_BODIES = 512
+"""Bodies of a piece at most: whoever reads one body reads those beside it, too; small pieces take longer to write."""
 LEVEL = 1
 """Of deflating: higher ones take longer and save a few percent."""
+TAIL_BYTES = 1 << 13
+"""Of a piece of a tail, about: with larger ones more would be written than is new."""
+TAIL_BODIES = 128
+"""Bodies of such a piece at most: nothing deflates what a last one has more than there are bodies."""
 
 
 class PlainColumn:
@@ -55,81 +61,125 @@ class PlainColumn:
 
 
 class PackedColumn:
-    """Rows of n bodies (or of none, ``width`` 0) in pieces that are shuffled and deflated.
+    """Rows in pieces that are shuffled and deflated, as differences from the row before where ``order`` says so.
 
-    A piece that is not full may be written, too, and is written again when it has grown; what it took before in the
-    file is lost, for readers may still be looking at it.
+    A piece that is not full waits. What must not be lost of it is written into its data set in ``tails``, as it is: a
+    place that is used again for the next piece, while that of a piece which was packed before its time would be lost,
+    for readers may still be looking at it. Only the last one of a file is packed as it is, by :meth:`finish`.
+
+    Args:
+        file: to make the data sets in. name: of the rows.
+        dtype: of the numbers.
+        shape: of a row: (n, width) for n bodies, or () for rows of one item.
+        rows: of a piece.
+        order: of the differences that are stored, 0 for none, see :func:`stiction.record.differences.to_differences`.
     """
 
-    def __init__(self, file: h5py.File, name: str, dtype: Any, bodies: int, width: int, rows: int) -> None:
-        self._bodies, self._width = bodies, width
+    def __init__(
+        self, file: h5py.File, name: str, dtype: Any, shape: tuple[int, ...], rows: int, order: int = 0
+    ) -> None:
+        self._dtype, self._shape, self._order = np.dtype(dtype), shape, order
         self.rows = rows
         """Rows of a piece."""
-        self._span = max(1, min(bodies, PIECE_BODIES))
-        shape, pieces, most = (0, bodies, width), (rows, self._span, width), (None, None, width)
+        self._nothing = np.nan if self._dtype.kind == "f" else 0
+        self._spans = tuple(max(1, min(size, PIECE_BODIES)) for size in shape[:1]) + shape[1:]
+        growing = tuple(None for _ in shape[:1]) + shape[1:]
         self.dataset = file.create_dataset(
-            name, shape, dtype, maxshape=most, chunks=pieces, compression="gzip", compression_opts=LEVEL, shuffle=True,
-            fillvalue=np.nan if np.dtype(dtype).kind == "f" else 0,
+            name, (0, *shape), code_type(dtype) if order else dtype, maxshape=(None, *growing),
+            chunks=(rows, *self._spans), compression="gzip", compression_opts=LEVEL, shuffle=True,
+        )  # fmt: skip
+        if order:
+            self.dataset.attrs["differences"] = order
+            self.dataset.attrs["type"] = self._dtype.str
+        beside = tuple(min(size, TAIL_BODIES) for size in self._spans[:1]) + shape[1:]
+        at_once = max(1, min(rows, TAIL_BYTES // (math.prod(beside) * self._dtype.itemsize)))
+        self.tail = file.create_dataset(
+            f"{TAILS}/{name}", (rows, *shape), dtype, maxshape=(rows, *growing), chunks=(at_once, *beside),
+            fillvalue=self._nothing if self._dtype.names is None else None,
         )  # fmt: skip
         self._waiting: list[NDArray[Any]] = []
         self._count = 0
         self._base = 0
-        self._partial = 0
+        self._seen = 0
+        self._kept = 0
 
     @property
     def length(self) -> int:
         """Rows that are in the file."""
-        return self._base + self._partial
+        return self._base + self._kept
 
     def add(self, rows: NDArray[Any]) -> None:
-        """Append rows (k, n, width); n may be larger than it was before."""
-        self._bodies = max(self._bodies, rows.shape[1])
-        self._waiting.append(rows)
-        self._count += len(rows)
+        """Append rows (k, n, width), or (k,); n may be larger than it was before."""
+        if len(rows):
+            self._shape = tuple(max(pair) for pair in zip(self._shape, rows.shape[1:], strict=True))
+            self._waiting.append(rows)
+            self._count += len(rows)
 
-    def write(self, partial: bool, least: float = 0.0) -> None:
-        """Write all pieces that are full, and, if ``partial``, the last one as well, once it has grown by more than
-        ``least``, a share of a piece.
+    def write(self, everything: bool) -> None:
+        """Write all pieces that are full, and the rows that are left, if one of them waits since the last time or if
+        ``everything`` is asked for.
         """
-        left = self._count % self.rows
-        new = left - (self._partial if left == self._count else 0)
-        partial = partial and new > least * self.rows
-        if self._count < self.rows and not partial:
-            return
-        rows = np.concatenate([self._padded(part) for part in self._waiting])
-        whole = len(rows) // self.rows * self.rows
-        ends = [*range(self.rows, whole + 1, self.rows), *([len(rows)] if partial and len(rows) > whole else [])]
-        self.dataset.resize((self._base + (ends[-1] if ends else 0), self._bodies, self._width))
-        start = 0
-        for end in ends:
-            self._put(self._base + start, rows[start:end])
-            start = end
-        self.dataset.flush()
-        self._partial = len(rows) - whole if partial else 0
-        self._base += whole
-        self._waiting, self._count = [rows[whole:]], len(rows) - whole
+        if self._count >= self.rows:
+            rows = self._joined()
+            whole = len(rows) // self.rows * self.rows
+            self._put(rows[:whole])
+            self._waiting, self._count, self._seen, self._kept = [rows[whole:]], len(rows) - whole, 0, 0
+        if self._count > self._kept and (everything or self._seen > 0):
+            rows = self._joined()
+            if self.tail.shape[1:] != self._shape:
+                self.tail.resize((self.rows, *self._shape))
+            self.tail[self._kept : len(rows)] = rows[self._kept :]
+            self.tail.flush()
+            self._waiting, self._kept = [rows], len(rows)
+        self._seen = self._count
 
-    def _padded(self, rows: NDArray[Any]) -> NDArray[Any]:
-        if rows.shape[1] == self._bodies:
+    def finish(self) -> None:
+        """Write all rows, the last ones as a piece that is not full: nothing can be added then."""
+        self.write(everything=False)
+        if self._count:
+            self._put(self._joined())
+            self._waiting, self._count, self._kept = [], 0, 0
+
+    def _joined(self) -> NDArray[Any]:
+        return np.concatenate([self._filled(part, (len(part), *self._shape)) for part in self._waiting])
+
+    def _filled(self, rows: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+        """Rows in an array of that shape; what is not there is nothing."""
+        if rows.shape == shape:
             return rows
-        wide = np.full((len(rows), self._bodies, self._width), self.dataset.fillvalue, rows.dtype)
-        wide[:, : rows.shape[1]] = rows
+        wide = np.full(shape, self._nothing, rows.dtype) if rows.dtype.names is None else np.zeros(shape, rows.dtype)
+        wide[tuple(slice(size) for size in rows.shape)] = rows
         return wide
 
-    def _put(self, first: int, rows: NDArray[Any]) -> None:
-        for body in range(0, self._bodies, self._span):
-            part = rows[:, body : body + self._span]
-            piece = part
-            if part.shape[:2] != (self.rows, self._span):
-                piece = np.zeros((self.rows, self._span, self._width), part.dtype)
-                piece[: len(part), : part.shape[1]] = part
-            self.dataset.id.write_direct_chunk((first, body, 0), pack(piece))
+    def _put(self, rows: NDArray[Any]) -> None:
+        """Pack the next rows; the last piece of them need not be full."""
+        self.dataset.resize((self._base + len(rows), *self._shape))
+        for start in range(0, len(rows), self.rows):
+            piece = rows[start : start + self.rows]
+            for body in range(0, self._shape[0], self._spans[0]) if self._shape else (0,):
+                part = piece[:, body : body + self._spans[0]] if self._shape else piece
+                if self._order:
+                    part = to_differences(np.ascontiguousarray(part), self._order)
+                if part.shape != (self.rows, *self._spans):
+                    full = np.zeros((self.rows, *self._spans), part.dtype)
+                    full[tuple(slice(size) for size in part.shape)] = part
+                    part = full
+                place = (self._base + start, body, 0)[: part.ndim]
+                self.dataset.id.write_direct_chunk(place, pack(part, self._order))
+        self.dataset.flush()
+        self._base += len(rows)
 
 
-def pack(piece: NDArray[Any]) -> bytes:
+def pack(piece: NDArray[Any], order: int = 0) -> bytes:
     """As HDF5's filters shuffle and gzip make it."""
-    planes = np.ascontiguousarray(piece).reshape(-1).view(np.uint8).reshape(-1, piece.dtype.itemsize)
-    return zlib.compress(planes.T.tobytes(), LEVEL)
+    # of differences runs of zeros are all that repeats: to look for no more is quicker, and leaves fewer bytes
+    strategy = zlib.Z_RLE if order else zlib.Z_DEFAULT_STRATEGY
+    packer = zlib.compressobj(LEVEL, zlib.DEFLATED, zlib.MAX_WBITS, zlib.DEF_MEM_LEVEL, strategy)
+    parts = []
+    for plane in np.ascontiguousarray(piece).reshape(-1).view(np.uint8).reshape(-1, piece.dtype.itemsize).T:
+        # each plane has a code of its own: high bytes are mostly zero, low ones are anything
+        parts += [packer.compress(plane.tobytes()), packer.flush(zlib.Z_PARTIAL_FLUSH)]
+    return b"".join([*parts, packer.flush()])
 
 
 def piece_rows(bodies: int) -> int:

@@ -19,9 +19,10 @@ from stiction.errors import InvalidInputError, OutputError
 from stiction.record.recorder import WIDTHS
 
 FORMAT = "stiction recording"
-FORMAT_VERSION = 2
-"""2: frames for the eye, hashes of all steps, inputs and snapshots. 1: frames in float64 and the scene, no more."""
-READABLE_VERSIONS = (1, 2)
+FORMAT_VERSION = 3
+"""3: frames and inputs as differences, tails. 2: frames for the eye, hashes of all steps, inputs and snapshots.
+1: frames in float64 and the scene, no more."""
+READABLE_VERSIONS = (1, 2, 3)
 
 PRECISIONS = ("display", "full")
 QUATERNION_SCALE = 32767
@@ -36,6 +37,10 @@ FRAME_TYPES = {
     "full": dict.fromkeys(WIDTHS, "f8"),
 }
 """Types of the arrays of a frame, little-endian as everything in the file."""
+ORDERS = {"positions": 2, "orientations": 2, "velocities": 1, "angular_velocities": 1}
+"""Of the differences as which they are stored: places go on as they went, velocities do not, for bodies meet."""
+TAILS = "tails"
+"""The group of the rows that do not fill a piece yet, under the names of the data sets to which they will go."""
 
 _CONTACT_PARTS: dict[str, np.dtype[Any]] = {name: CONTACT_DTYPE[name] for name in CONTACT_DTYPE.names or ()}
 _SINGLE: Any = {name: np.dtype("<f4") if part.base.kind == "f" else part.base for name, part in _CONTACT_PARTS.items()}
@@ -129,7 +134,7 @@ def open_file(path: str | Path) -> tuple[h5py.File, int]:
         version = int(file.attrs.get("format_version", 0))
         if version not in READABLE_VERSIONS:
             raise InvalidInputError(
-                f"recording {str(path)!r} must have format version {' or '.join(map(str, READABLE_VERSIONS))}, "
+                f"recording {str(path)!r} must have format version {', '.join(map(str, READABLE_VERSIONS))}, "
                 f"got {version}: it was made by another version of stiction."
             )
     except InvalidInputError:

@@ -17,6 +17,7 @@ from stiction.record import layout
 from stiction.record.bodies import info_from_dict
 from stiction.record.columns import decode
 from stiction.record.frames import Frames
+from stiction.record.packed import PackedRows
 from stiction.record.recorder import WIDTHS
 
 if TYPE_CHECKING:
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+TRIES = 20
+"""How often a file is read anew in which a piece became full meanwhile: to read takes much less time than a piece."""
 UNREADABLE = (KeyError, ValueError, TypeError, OSError, RuntimeError, IndexError)
 """What h5py and what reads its data raise where a file does not hold what it should."""
 
@@ -45,8 +48,8 @@ class Recording:
 
     Attributes:
         path: of the file.
-        format_version: 2, or 1 for recordings of earlier versions, which hold frames and a scene, but neither hashes
-            nor inputs, so that they cannot be checked.
+        format_version: 3, or 2 or 1 for recordings of earlier versions; those of 1 hold frames and a scene, but neither
+            hashes nor inputs, so that they cannot be checked.
         title: a few words. dt: time step, s. every: steps from one frame to the next. solver: its name.
         precision: of frames, ``"display"`` or ``"full"``.
         first_step: steps that had been taken when the recording began.
@@ -76,6 +79,11 @@ class Recording:
                     self.metadata[name] = layout.read_json(self._file, name)
             self._rows = [_loads(text) for text in self._file["bodies"].asstr()[:]]
             self.bodies = [info_from_dict(row) for row in self._rows]
+            self._packed = {f"frames/{name}": PackedRows(self._file, f"frames/{name}") for name in WIDTHS}
+            if self.format_version > 1:
+                self._packed |= {name: PackedRows(self._file, name) for name in ("inputs/rows", "inputs/numbers")}
+            if self.format_version == 1 or self.metadata["contacts"]:
+                self._packed["frames/motion"] = PackedRows(self._file, "frames/motion")
             self.refresh()
         except UNREADABLE as error:
             self._file.close()
@@ -143,21 +151,40 @@ class Recording:
             file["outcome"].id.refresh()
             self.outcome = bytes(file["outcome"][()]).decode()
             self.has_contacts = bool(self.metadata["contacts"])
-            added = [one.text for one in self.inputs() if one.text is not None and one.text["what"] == "add"]
+            texts = (_loads(line.decode()) for line in self._texts().splitlines())
+            added = [text for text in texts if text["what"] == "add"]
             for text in added[len(self.bodies) - len(self._rows) :]:
                 self.bodies.append(info_from_dict(text["body"]))
         self._ends = np.concatenate([[0], file["frames/contact_ends"][:frames]]).astype(np.int64)
 
     def _committed(self) -> dict[str, int]:
-        """Lengths of the data sets at the last commit that they all hold."""
+        """Lengths of the data sets at the last commit that they all hold; the rows of tails are copied."""
+        for _ in range(TRIES):
+            lengths = self._see_lengths()
+            seen = [packed.packed for packed in self._packed.values()]
+            for name, packed in self._packed.items():
+                packed.keep(lengths["frames/steps" if name.startswith("frames/") else name])
+            for packed in self._packed.values():
+                packed.refresh()
+            if seen == [packed.packed for packed in self._packed.values()]:
+                return lengths
+            # a piece became full meanwhile, so that its rows may have been written over in its tail
+        raise ValueError("it grows faster than it can be read")
+
+    def _see_lengths(self) -> dict[str, int]:
         file = self._file
-        for name in ("commits", *layout.COUNTED, *(f"frames/{name}" for name in WIDTHS)):
+        plain = [name for name in layout.COUNTED if name not in ("inputs/rows", "inputs/numbers")]
+        for name in ("commits", *plain):
             file[name].id.refresh()
         for name in ("frames/times", "frames/energy", "frames/contact_ends", "checkpoints/data"):
             file[name].id.refresh()
+        for packed in self._packed.values():
+            packed.refresh()
         rows = file["commits"][:]
-        held = np.array([len(file[name]) for name in layout.COUNTED])
-        good = (rows <= held).all(axis=1)
+        held = {name: len(file[name]) for name in plain}
+        held |= {name: packed.room for name, packed in self._packed.items() if name in layout.COUNTED}
+        held["frames/steps"] = min(held["frames/steps"], *(p.room for n, p in self._packed.items() if n not in held))
+        good = (rows <= [held[name] for name in layout.COUNTED]).all(axis=1)
         if not good.any():
             raise ValueError("nothing of it was written whole")
         return dict(zip(layout.COUNTED, rows[np.flatnonzero(good)[-1]].tolist(), strict=True))
@@ -205,18 +232,24 @@ class Recording:
         Raises:
             InvalidInputError: the file is damaged.
         """
+        from stiction.record.input_numbers import decode_numbers
         from stiction.record.inputs import read_inputs
 
         if self.format_version == 1:
             return []
-        file, lengths = self._file, self._lengths
         try:
-            rows = file["inputs/rows"][: lengths["inputs/rows"]]
-            numbers = file["inputs/numbers"][: lengths["inputs/numbers"]]
-            texts = file["inputs/texts"][: lengths["inputs/texts"]].tobytes()
-            return list(read_inputs(rows, numbers, texts))
+            rows, numbers = (
+                self._packed[name].read(slice(0, self._lengths[name])) for name in ("inputs/rows", "inputs/numbers")
+            )
+            if self.format_version > 2:
+                numbers = decode_numbers(rows, numbers, int(self._file["inputs/numbers"].attrs["differences"]))
+            return list(read_inputs(rows, numbers, self._texts()))
         except (*UNREADABLE, StopIteration) as error:
             raise layout.damaged(self.path, error) from None
+
+    def _texts(self) -> bytes:
+        result: bytes = self._file["inputs/texts"][: self._lengths["inputs/texts"]].tobytes()
+        return result
 
     # --- frames -------------------------------------------------------------------------------------------------------
 
@@ -316,7 +349,7 @@ class Recording:
         arrays = {name: self._array(name, None, start, stop) for name in WIDTHS}
         f, n = arrays["positions"].shape[:2]
         if self.has_contacts:
-            motion = self._read("frames/motion", span).reshape(f, -1)
+            motion = self.stored("motion", span).reshape(f, -1)
         else:
             fixed = np.array([body.fixed for body in self.bodies], np.bool_).reshape(1, n)
             motion = np.where(np.repeat(fixed, f, axis=0), Motion.FIXED, Motion.FREE).astype(np.uint8)
@@ -461,15 +494,22 @@ class Recording:
         if body is None:
             return self.array(name, span)
         number = self._number(body)
-        if number >= self._file[f"frames/{name}"].shape[1]:  # it was added after the last frame
+        if number >= self._packed[f"frames/{name}"].bodies:  # it was added after the last frame
             return np.full((span.stop - span.start, WIDTHS[name]), np.nan)
-        return decode(self._read(f"frames/{name}", (span, number)))
+        return decode(self.stored(name, span, number))
 
     def array(self, name: str, span: slice) -> Array:
         """(f, n, width) one of the arrays of those frames, for all bodies."""
-        values = decode(self._read(f"frames/{name}", span))
+        values = decode(self.stored(name, span))
         missing = len(self.bodies) - values.shape[1]
         return values if missing <= 0 else np.pad(values, ((0, 0), (0, missing), (0, 0)), constant_values=np.nan)
+
+    def stored(self, name: str, span: slice, body: int | None = None) -> NDArray[Any]:
+        """(f, n, width) the numbers of an array as they were rounded for the file, or (f, width) those of one body."""
+        try:
+            return self._packed[f"frames/{name}"].read(span, body)
+        except UNREADABLE as error:
+            raise layout.damaged(self.path, error) from None
 
     def _read(self, name: str, where: Any) -> NDArray[Any]:
         try:

@@ -17,12 +17,9 @@ Array = NDArray[np.float64]
 WAITING = 8
 """Batches that may wait; when there are more, the simulation does."""
 COMMIT_SECONDS = 0.5
-"""Full pieces are written after that time."""
-PARTIAL_SECONDS = 1.0
-"""Pieces that are not full, too, are written after that time: little more is lost when a process is killed."""
-LEAST_PARTIAL = 0.5
-"""Share of a piece by which it must have grown to be written then, for its old place in the file is lost: without this,
-a world that takes long for its steps would make a file of many times the size."""
+"""What is ready is written after that time, and the rest the next time: little is lost when a process is killed."""
+IDLE_SECONDS = 1.0
+"""When nothing has come for that time, everything is written."""
 
 
 class Worker:
@@ -80,11 +77,11 @@ class Worker:
             raise self._failure
 
     def _run(self) -> None:
-        committed = full = time.monotonic()
+        committed = time.monotonic()
         pending = False
         while True:
             try:
-                one = self._queue.get(timeout=PARTIAL_SECONDS if pending else None)
+                one = self._queue.get(timeout=IDLE_SECONDS if pending else None)
             except queue.Empty:
                 one = threading.Event()  # nothing comes: write what is there, as if somebody had asked
             if one is None:
@@ -98,13 +95,11 @@ class Worker:
                         self._free.append(one.room)
                     pending, now = True, time.monotonic()
                     if now - committed > COMMIT_SECONDS:
-                        partial = now - full > PARTIAL_SECONDS
-                        self._file.commit(partial, LEAST_PARTIAL)
-                        committed, full = now, now if partial else full
+                        self._file.commit(everything=False)
+                        committed = now
                 else:
-                    self._file.commit(partial=True)
+                    self._file.commit(everything=True)
                     pending, committed = False, time.monotonic()
-                    full = committed
             except BaseException as error:
                 self._failure = error
             if isinstance(one, threading.Event):

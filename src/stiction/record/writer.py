@@ -129,7 +129,7 @@ class RecordingWriter:
             frames = {self._first: self._moment()}
             file.process(Batch(self._first, states, self._slots, frames, [], checkpoints))
             self._frames = 1
-            file.commit(partial=True)
+            file.commit(everything=True)
             file.share()
             self._worker = Worker(file)
             self._new_batch(self._first + 1)
