@@ -77,20 +77,24 @@ def compiled_under_watch(kernel: Any, *given: Any) -> list[bool]:
 def test_helpers_are_linked_into_the_entry_and_give_what_they_do_in_python(
     kernel: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    ends, linked = LinkedLibrary._finalize_final_module, []
+    ends, linked = LinkedLibrary.finalize, []
 
     def note(library: LinkedLibrary) -> None:
         ends(library)
         linked.append({function.name for function in library.get_defined_functions()})
 
-    monkeypatch.setattr(LinkedLibrary, "_finalize_final_module", note)
+    monkeypatch.setattr(LinkedLibrary, "finalize", note)
     numbers = np.array([1.0, 2.5, 4.0])
     assert kernel(numbers) == kernel.py_func(numbers) == 30.0
-    assert len(linked) == 3  # refuse, double and, with what it calls, fourfold
+    assert [len(names) for names in linked] == [1, 1, 1]  # refuse, double and fourfold, each without what it calls
     (overload,) = kernel.overloads.values()
     assert not isinstance(overload.library, LinkedLibrary)
     is_defined = overload.library._codegen._engine.is_symbol_defined
     assert not any(is_defined(name) for names in linked for name in names)
+
+
+def test_kernels_of_others_may_call_helpers() -> None:
+    assert numba.njit(lambda x: fourfold(x) + double(x))(2.0) == 12.0
 
 
 def test_an_exception_in_a_helper_comes_out_of_the_entry(kernel: Any) -> None:

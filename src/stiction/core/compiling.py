@@ -2,8 +2,9 @@
 
 Numba optimises every function together with all that it calls, and makes machine code of it, before its caller takes it
 over, optimises it again, and so on up to the entry: a kernel of 300 helpers, eight deep, is optimised eight times, and
-of all the machine code only the entry's is ever run. A :class:`LinkedLibrary` keeps a helper as it was lowered; the
-entry links all of them and optimises once. The step of boxes is compiled in two thirds of the time, to the same bits.
+of all the machine code only the entry's is ever run. A :class:`LinkedLibrary` keeps a helper as it was lowered; an
+:class:`EntryLibrary` links each of those below it once, and optimises once. Helpers need none of Numba's passes for
+closures, lists, literals and expressions of arrays either, each of which goes through the whole function again.
 
 Such a helper cannot be called from Python by itself, but then it never is: in Python it is a Python function.
 
@@ -16,9 +17,24 @@ from __future__ import annotations
 import gc
 from typing import Any
 
-from numba.core import event
+from numba.core import event, typed_passes, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager
+
+NEEDLESS = {
+    untyped_passes.WithLifting,
+    untyped_passes.InlineClosureLikes,
+    untyped_passes.MakeFunctionToJitFunction,
+    untyped_passes.InlineInlinables,
+    untyped_passes.FindLiterallyCalls,
+    untyped_passes.LiteralUnroll,
+    untyped_passes.LiteralPropagationSubPipelinePass,
+    typed_passes.InlineOverloads,
+    typed_passes.NopythonRewrites,
+    typed_passes.DumpParforDiagnostics,
+}
+"""Passes over what helpers do not have."""
 
 
 class _NoAddresses:
@@ -40,6 +56,8 @@ class _NoAddresses:
 class LinkedLibrary(JITCodeLibrary):
     """Code of a helper, to be linked into others: neither optimised nor made machine code."""
 
+    _is_whole = False
+
     @property
     def codegen(self) -> Any:
         """The code generator."""
@@ -50,26 +68,83 @@ class LinkedLibrary(JITCodeLibrary):
         self._ensure_finalized()
         return 0
 
+    def finalize(self) -> None:
+        """Nothing can be added any more."""
+        self._raise_if_finalized()
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def own_module(self) -> Any:
+        """The helper without what it calls."""
+        return super()._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
+        """For a caller that is no entry of ours: the helper with all that it calls."""
+        if not self._is_whole:
+            self._is_whole, self._shared_module = True, None
+            for library in below(self):
+                self._final_module.link_in(_module_of(library), preserve=True)
+        return super()._get_module_for_linking()
+
     def _optimize_functions(self, module: Any) -> None:
         module.data_layout = self._codegen._data_layout
 
-    def _optimize_final_module(self) -> None:
-        pass
 
-    def _finalize_final_module(self) -> None:
-        self._finalize_dynamic_globals()
-        self._verify_declare_only_symbols()
-        self._finalized = True
+class EntryLibrary(JITCodeLibrary):
+    """Code of an entry with that of all helpers below it."""
+
+    def finalize(self) -> None:
+        """Link, optimise and make machine code."""
+        for library in below(self):
+            self._final_module.link_in(_module_of(library), preserve=True)
+            self._reload_init.update(library._reload_init)
+        self._linking_libraries = []
+        super().finalize()
+
+
+def below(library: Any) -> list[Any]:
+    """The libraries that a library asks for, and those that its helpers ask for, each once."""
+    found: dict[int, Any] = {}
+    left = list(library._linking_libraries)
+    while left:
+        one = left.pop()
+        if id(one) not in found:
+            found[id(one)] = one
+            if isinstance(one, LinkedLibrary):
+                left.extend(one._linking_libraries)
+    return list(found.values())
+
+
+def _module_of(library: Any) -> Any:
+    return library.own_module() if isinstance(library, LinkedLibrary) else library._get_module_for_linking()
 
 
 class LinkedCompiler(Compiler):
-    """Numba's compiler, with a :class:`LinkedLibrary` for what it makes."""
+    """Numba's compiler without what helpers do not need, and with a :class:`LinkedLibrary` for what it makes."""
+
+    library = LinkedLibrary
 
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *others: Any) -> None:
         if library is None:
-            library = LinkedLibrary(targetctx.codegen(), "helper")
+            library = self.library(targetctx.codegen(), self.library.__name__)
             library.enable_object_caching()
         super().__init__(typingctx, targetctx, library, *others)
+
+    def define_pipelines(self) -> list[Any]:
+        """The passes, in their order."""
+        (whole,) = super().define_pipelines()
+        shorter = PassManager(whole.pipeline_name)
+        for each, words in whole.passes:
+            if each not in NEEDLESS:
+                shorter.add_pass(each, words)
+        shorter.finalize()
+        return [shorter]
+
+
+class EntryCompiler(LinkedCompiler):
+    """The same for entries."""
+
+    library = EntryLibrary
 
 
 class NoCollection(event.Listener):

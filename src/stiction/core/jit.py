@@ -30,7 +30,7 @@ import numba
 import numba.extending
 import numpy as np
 
-from stiction.core.compiling import LinkedCompiler, no_collection
+from stiction.core.compiling import EntryCompiler, LinkedCompiler, no_collection
 
 CORE = Path(__file__).resolve().parent
 KEPT_FOLDERS = 6
@@ -116,6 +116,9 @@ would cost two atomic operations for each array in the arguments of a call, or t
 inlined = numba.extending.register_jitable(**HELPER, forceinline=True)
 """Decorator of a helper so short that to hand over its arguments would take longer than what it does."""
 
+ENTRY: Any = {"error_model": "numpy", "nogil": True, "pipeline_class": EntryCompiler}
+"""Options with which entries are compiled."""
+
 config: Any = numba.config
 
 
@@ -131,12 +134,12 @@ def entry(function):
         return function
     folder = kernel_folder()
     if folder is None:
-        return _noted(numba.njit(error_model="numpy", nogil=True)(function))
+        return _noted(numba.njit(**ENTRY)(function))
     # The cache folder is read when a function is decorated, so other packages' caches stay where they are.
     before = config.CACHE_DIR
     config.CACHE_DIR = str(folder)
     try:
-        return _noted(numba.njit(error_model="numpy", nogil=True, cache=True)(function))
+        return _noted(numba.njit(**ENTRY, cache=True)(function))
     finally:
         config.CACHE_DIR = before
 
