@@ -122,7 +122,7 @@ def _module_of(library: Any) -> Any:
 class LinkedCompiler(Compiler):
     """Numba's compiler without what helpers do not need, and with a :class:`LinkedLibrary` for what it makes."""
 
-    library = LinkedLibrary
+    library: type[JITCodeLibrary] = LinkedLibrary
 
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *others: Any) -> None:
         if library is None:
