@@ -176,6 +176,13 @@ def test_a_place_in_a_tail_that_is_used_again_while_it_is_read_is_noticed(
         np.testing.assert_array_equal(recording.positions(), seen)
 
 
+def with_worlds(folder: Path) -> dict[str, str]:
+    """The environment of a program that imports this project and, as ``tests_worlds``, worlds.py beside this file."""
+    (folder / "tests_worlds.py").write_text((Path(__file__).parent / "worlds.py").read_text())
+    folders = [str(folder), str(Path(st.__file__).parents[1])]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(folders)}
+
+
 KILLED = """
 import sys
 from tests_worlds import tower
@@ -196,11 +203,8 @@ with world.record(sys.argv[1], every=2) as writer:
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="only there can a process be killed without a word")
 def test_after_a_kill_all_that_was_flushed_opens_and_its_hashes_hold(tmp_path: Path) -> None:
     path = tmp_path / "run.h5"
-    (tmp_path / "tests_worlds.py").write_text((Path(__file__).parent / "worlds.py").read_text())
-    folders = [str(tmp_path), str(Path(st.__file__).parents[1])]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(folders)}
     command = [sys.executable, "-c", KILLED, str(path)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=with_worlds(tmp_path)) as process:
         assert process.stdout is not None
         flushed = int(process.stdout.readline())
         seen = []
@@ -246,10 +250,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="only there can a process be killed without a word")
 def test_frames_that_fill_no_piece_outlive_their_process(tmp_path: Path) -> None:
     path = tmp_path / "run.h5"
-    (tmp_path / "tests_worlds.py").write_text((Path(__file__).parent / "worlds.py").read_text())
-    folders = [str(tmp_path), str(Path(st.__file__).parents[1])]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(folders)}
-    done = subprocess.run([sys.executable, "-c", KILLS_ITSELF, str(path)], env=environment, check=False)
+    done = subprocess.run([sys.executable, "-c", KILLS_ITSELF, str(path)], env=with_worlds(tmp_path), check=False)
     assert done.returncode == -signal.SIGKILL
     world, expected = tower(), []
     for step in range(186):

@@ -74,6 +74,12 @@ def _by_name(bodies: AnyArray, kinds: AnyArray, ledger: AnyArray, **groups: Any)
     return made
 
 
+def _grouped(part: Callable[[str], Any]) -> dict[str, Any]:
+    """Bodies, kinds, ledger and the tuples of arrays, of what ``part`` gives for a name."""
+    groups = {name: kind(*(part(f"{name}.{field}") for field in kind._fields)) for name, kind in GROUPS.items()}
+    return {name: part(name) for name in ("bodies", "kinds", "ledger")} | groups
+
+
 def fit(array: AnyArray, like: AnyArray, axis: int = 0) -> AnyArray:
     """``like`` with as much of ``array`` in it as both have room for; axes before ``axis`` are those of worlds."""
     result = np.empty(array.shape[:axis] + like.shape, like.dtype)
@@ -180,10 +186,7 @@ class Blocks:
 
     def parts(self, pick: Callable[[AnyArray], Any], desk: Desk) -> dict[str, Any]:
         """Bodies, kinds, ledger and the tuples of arrays; ``pick`` makes of a block what stands for it."""
-        made: dict[str, Any] = {name: pick(self.each[name]) for name in ("bodies", "kinds", "ledger")}
-        for name, kind in GROUPS.items():
-            made[name] = kind(*(self._part(f"{name}.{field}", pick, desk) for field in kind._fields))
-        return made
+        return _grouped(lambda name: self._part(name, pick, desk))
 
     def _part(self, name: str, pick: Callable[[AnyArray], Any], desk: Desk) -> Any:
         if name in DESKS:
@@ -198,10 +201,7 @@ class Blocks:
         for name, like in made.items():
             if name not in DESKS:
                 made[name] = fit(self.each[name][world] if name in self.each else self.source[name], like)
-        parts: dict[str, Any] = {name: made[name] for name in ("bodies", "kinds", "ledger")}
-        parts["desk"] = soft_scratch.make_desk(room.bodies, room.pairs)
-        groups = {name: kind(*(made[f"{name}.{field}"] for field in kind._fields)) for name, kind in GROUPS.items()}
-        return parts | groups
+        return _grouped(made.__getitem__) | {"desk": soft_scratch.make_desk(room.bodies, room.pairs)}
 
     def of_world(self, world: int, desk: Desk) -> dict[str, Any]:
         """The arrays of one world, views."""
