@@ -221,7 +221,7 @@ def test_a_signal_in_the_middle_of_a_run_does_the_same(tmp_path: Path) -> None:
     assert_same(frames, full_frames(), first=simulation.step_index // 2 + 1)
 
 
-@pytest.mark.parametrize("place", ["_copy_state", "_moment", "_hand_over", "step"])
+@pytest.mark.parametrize("place", ["stream_columns", "_moment", "_hand_over", "step"])
 def test_ctrl_c_in_the_middle_of_noting_a_step_loses_nothing(
     place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -232,7 +232,8 @@ def test_ctrl_c_in_the_middle_of_noting_a_step_loses_nothing(
         pytest.raises(KeyboardInterrupt),
         RecordingWriter(tmp_path / "run.h5", simulation, 2, True, precision="full") as writer,
     ):
-        owner, calls = (simulation.world._store if place == "step" else writer), [0]
+        owners = {"step": simulation.world._store, "stream_columns": writer_module}
+        owner, calls = owners.get(place, writer), [0]
         real = getattr(owner, place)
 
         def interrupted_once(*arguments: Any) -> Any:

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 WAITING = 8
 """Batches that may wait; when there are more, the simulation does."""
+POLL_SECONDS = 1e-3
+"""How often it looks then whether there is room."""
 COMMIT_SECONDS = 0.5
 """What is ready is written after that time, and the rest the next time: little is lost when a process is killed."""
 IDLE_SECONDS = 1.0
@@ -27,7 +29,7 @@ class Worker:
 
     def __init__(self, file: FileWriter) -> None:
         self._file = file
-        self._queue: queue.Queue[Batch | threading.Event | None] = queue.Queue(WAITING)
+        self._queue: queue.SimpleQueue[Batch | threading.Event | None] = queue.SimpleQueue()
         self._failure: BaseException | None = None
         self._free: deque[Array] = deque(maxlen=WAITING)
         self._thread = threading.Thread(target=self._run, name="stiction recording", daemon=True)
@@ -40,6 +42,8 @@ class Worker:
             OutputError: what was handed over before could not be written.
         """
         self._raise()
+        while self._queue.qsize() >= WAITING:  # a queue with a limit takes 50 us more for each batch
+            time.sleep(POLL_SECONDS)
         self._queue.put(batch)
 
     def room(self, shape: tuple[int, ...]) -> Array:

@@ -1,7 +1,8 @@
 """Recording a world while it runs: every step is noted, and everything that changes the world from outside.
 
 In the simulation's thread a step costs a copy of its state; hashes, energies, rounding, deflating and the file are the
-business of a :class:`stiction.record.worker.Worker`.
+business of a :class:`stiction.record.worker.Worker`. After a step nothing of Python is in the processor's caches any
+more, and each line costs ten times what it seems to: so little is done in :meth:`RecordingWriter.catch_up`.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from stiction import checks, outputs
 from stiction._version import __version__
 from stiction.body import Body
 from stiction.core import jit
+from stiction.core.streaming import stream_columns
 from stiction.errors import InvalidInputError, SimulationError
 from stiction.hashing import STATE_WIDTH, machine_class
 from stiction.journal import Step
@@ -39,8 +41,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ITEM = np.dtype((np.void, 8 * STATE_WIDTH))
-"""The state of a body as one item."""
 FRAMES_PER_SECOND = 30.0
 """Of simulated time, if nobody says otherwise."""
 CHECKPOINT_STEPS = 2000
@@ -108,23 +108,25 @@ class RecordingWriter:
         self._first = self._noted = world.steps
         self._count = 0
         self._states: Array
-        self._batch_items: NDArray[Any]
-        self._bodies: Array | None = None
-        self._items: NDArray[Any]
+        self._flat: Array
+        self._column = world._state.POSITION
         self._slots = np.arange(len(world), dtype=np.int64)
         self._next_slot = len(world)
-        self._last: Array = self._state().copy()
-        self._materials_version = world.materials.version
+        self._row, self._before = -1, self._state().copy()
+        self._gravity = world.gravity
+        self._materials, self._materials_version = world.materials, world.materials.version
         self._touched: dict[int, Array] = {}
         self._rows: Array | None = None
         self._last_frame_step = self._first
+        self._next_frame = self._first + self.every - self._first % self.every
+        self._next_checkpoint = self._first + self._checkpoint_steps
         self._frames = 0
         self._closed = False
         with interrupts_held():
             attributes, texts = self._header(title, meta)
             bodies = [info_to_dict(info_of(body)) | _role(body) for body in world]
             file = FileWriter(self.path, attributes, texts, bodies, self.precision, contacts)
-            states = self._last[None]
+            states = self._before[None]
             checkpoints: list[tuple[int, Snapshot]] = [(self._first, take(world))]
             frames = {self._first: self._moment()}
             file.process(Batch(self._first, states, self._slots, frames, [], checkpoints))
@@ -180,7 +182,7 @@ class RecordingWriter:
                 self._frames += 1
                 if self._count == 0:  # its batch is gone, so the state goes a second time
                     self._first_in_batch, self._count = self._noted, 1
-                    self._states[0] = self._last
+                    self._states[0] = self._last()
             self._closed = True
             self.world._journal = None
             atexit.unregister(self.close)
@@ -197,10 +199,11 @@ class RecordingWriter:
     def follow(self, step: Step, steps: int, settings: Any, table: Any) -> StepFailure | None:
         """Take steps one by one, and note each."""
         for _ in range(steps):
-            self._look_for_changes()
+            if self._store.watched or self._materials.version != self._materials_version:
+                self._look_for_changes()
             failure = step(1, settings, table)
             if failure is not None:
-                self._last = self._state().copy()
+                self._row, self._before = -1, self._state().copy()
                 self._touched.clear()
                 self._note_text({"what": "failure"})
                 return failure
@@ -212,20 +215,22 @@ class RecordingWriter:
         step = self._store.steps
         if step == self._noted:
             return
-        k = step - self._first_in_batch
-        self._copy_state(k)
-        if step % self.every == 0:
+        k, n = step - self._first_in_batch, len(self._slots)
+        stream_columns(self._store.bodies, n, self._column, STATE_WIDTH, self._flat, k * n * STATE_WIDTH)
+        if step == self._next_frame:
             self._frames_due[step] = self._moment()
-        if (step - self._first) % self._checkpoint_steps == 0:
+        if step == self._next_checkpoint:
             self._checkpoints[step] = take(self.world)
         # from here on the step is noted; cut off before, it is noted again
-        self._last = self._states[k]
-        self._count = k + 1
-        self._noted = step
-        self._frames += step in self._frames_due
-        self._last_frame_step = step if step in self._frames_due else self._last_frame_step
-        self._touched.clear()
-        if self._count == len(self._states) or time.monotonic() - self._handed_over > BATCH_SECONDS:
+        self._row, self._count, self._noted = k, k + 1, step
+        if step == self._next_frame:
+            self._frames += 1
+            self._last_frame_step, self._next_frame = step, step + self.every
+        if step == self._next_checkpoint:
+            self._next_checkpoint += self._checkpoint_steps
+        if self._touched:
+            self._touched.clear()
+        if self._count == self._room or time.monotonic() - self._handed_over > BATCH_SECONDS:
             with interrupts_held():
                 self._hand_over()
 
@@ -238,7 +243,7 @@ class RecordingWriter:
             self._rows = None
         start = getattr(self.world._state, column)
         if start < STATE_WIDTH:
-            row = self._touched.setdefault(index, self._last[index].copy())
+            row = self._touched.setdefault(index, self._last()[index].copy())
             row[start : start + len(numbers)] = numbers
 
     def wrote_kind(self, index: int, column: str, value: int) -> None:
@@ -251,7 +256,7 @@ class RecordingWriter:
         """A body was added."""
         self._note_text(added_text(self.world, body) | {"slot": self._next_slot})
         with interrupts_held():
-            self._last, self._rows = np.vstack([self._last, self._state()[-1:]]), None
+            self._row, self._before, self._rows = -1, np.vstack([self._last(), self._state()[-1:]]), None
             self._change_slots(np.append(self._slots, self._next_slot))
             self._next_slot += 1
 
@@ -263,14 +268,15 @@ class RecordingWriter:
         keep = np.ones(len(self._slots), np.bool_)
         keep[list(indices)] = False
         with interrupts_held():
-            self._last, self._rows = self._state()[keep].copy(), None
+            self._row, self._before, self._rows = -1, self._state()[keep].copy(), None
             self._touched.clear()
             self._change_slots(self._slots[keep])
 
     def gravity(self, value: Array) -> None:
         """Gravity is about to be set."""
         self.catch_up()
-        self._inputs.append(RawInput(self._noted, -1, KINDS.index(GRAVITY), value.copy(), None))
+        self._gravity = value.copy()
+        self._inputs.append(RawInput(self._noted, -1, KINDS.index(GRAVITY), self._gravity, None))
 
     def entered_friction(self, index: int, lost: float) -> None:
         """Forces from outside were friction."""
@@ -281,16 +287,11 @@ class RecordingWriter:
 
     def _state(self) -> Array:
         """(n, 13) a view."""
-        return self._store.column(self.world._state.POSITION, STATE_WIDTH)
+        return self._store.column(self._column, STATE_WIDTH)
 
-    def _copy_state(self, k: int) -> None:
-        """Into row k of the batch. A body's 13 numbers go as one item, which takes numpy half as long as 13 items."""
-        bodies = self._store.bodies
-        if self._bodies is not bodies or len(self._items) != len(self._slots):
-            self._bodies, stride = bodies, bodies.strides[0]
-            start = self.world._state.POSITION * bodies.itemsize
-            self._items = np.ndarray((len(self._slots),), ITEM, bodies, start, (stride,))
-        self._batch_items[k] = self._items
+    def _last(self) -> Array:
+        """(n, 13) the state that was noted last, with bodies that came or went since."""
+        return self._before if self._row < 0 else self._states[self._row]
 
     def _note_text(self, text: dict[str, Any]) -> None:
         self._inputs.append(RawInput(self._noted, -1, KINDS.index(TEXT), None, text))
@@ -298,7 +299,7 @@ class RecordingWriter:
     def _look_for_changes(self) -> None:
         """Before a step: what has changed without a word, through views of the state or in the table of materials."""
         if self._store.watched:
-            is_now, was = self._state(), self._last
+            is_now, was = self._state(), self._last()
             differs = is_now.view(np.int64) != was.view(np.int64)
             # mostly nothing does, and that is known sooner without looking at each body
             for index in np.flatnonzero(differs.any(axis=1)).tolist() if differs.any() else []:
@@ -306,28 +307,28 @@ class RecordingWriter:
                 if expected is None or expected.tobytes() != row.tobytes():
                     self._inputs.append(RawInput(self._noted, index, KINDS.index(VIEW), row, None))
                     self._touched[index] = row
-        materials = self.world.materials
+        materials = self._materials
         if materials.version != self._materials_version:
             self._note_text({"what": "materials", "rows": materials.to_toml_rows()})
             self._materials_version = materials.version
 
     def _moment(self) -> Moment:
-        world, store = self.world, self._store
+        store = self._store
         if self._rows is None:
             self._rows = store.bodies[: store.n].copy()
-        ledger, gravity = store.ledger.copy(), world.gravity
+        ledger = store.ledger.copy()
         if not self.contacts:
-            return Moment(ledger, gravity, self._rows, None, None)
-        numbers, tags = world._raw_contacts()
-        return Moment(ledger, gravity, self._rows, (numbers.copy(), tags.copy()), fixed_bodies(world))
+            return Moment(ledger, self._gravity, self._rows, None, None)
+        numbers, tags = self.world._raw_contacts()
+        return Moment(ledger, self._gravity, self._rows, (numbers.copy(), tags.copy()), fixed_bodies(self.world))
 
     def _new_batch(self, first: int) -> None:
         n = len(self._slots)
-        room = max(1, min(BATCH_STEPS, BATCH_BYTES // (8 * STATE_WIDTH * max(1, n))))
+        self._room = room = max(1, min(BATCH_STEPS, BATCH_BYTES // (8 * STATE_WIDTH * max(1, n))))
         self._first_in_batch = first
         self._handed_over = time.monotonic()
         self._states = self._worker.room((room, n, STATE_WIDTH))
-        self._batch_items = np.ndarray((room, n), ITEM, self._states)
+        self._flat = self._states.reshape(-1)
         self._count = 0
         self._frames_due: dict[int, Moment] = {}
         self._inputs: list[RawInput] = []
@@ -337,7 +338,9 @@ class RecordingWriter:
         """Give what was noted to the worker; Ctrl-C must not come between."""
         checkpoints = list(self._checkpoints.items())
         if self._count or self._inputs:
-            states, self._last = self._states[: self._count], self._last.copy()
+            states = self._states[: self._count]
+            # no copy: even if the worker gives this room back at once, a row is not written again before it is outdated
+            self._row, self._before = -1, self._last()
             due = self._frames_due
             self._worker.put(
                 Batch(self._first_in_batch, states, self._slots, due, self._inputs, checkpoints, self._states)
