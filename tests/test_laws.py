@@ -218,7 +218,7 @@ def test_friction_is_that_of_load_and_adhesion():
 def test_rows_keep_laws():
     made = table(
         static=0.5, dynamic=0.3, law=st.FrictionCurve([(0, 0.3), (1, 0.2)]), static_across=0.6, dynamic_across=0.4,
-        adhesion=3.0, adhesion_pressure=7.0,
+        adhesion=3.0, adhesion_pressure=7.0, tangential_restitution=0.25,
     )  # fmt: skip
     again = st.MaterialTable.from_rows(made.to_toml_rows())
     assert again == made
@@ -230,6 +230,9 @@ def test_rows_keep_laws():
 def test_plain_tables_stay_narrow():
     assert table(static=0.5).to_array(["body", "floor"]).shape == (2, 2, 5)
     assert table(static=0.5, adhesion=1.0).to_array(["body", "floor"]).shape[2] > 10
+    rebounds = table(static=0.5, tangential_restitution=0.5).to_array(["body", "floor"])
+    assert rebounds.shape[2] == 6
+    assert rebounds[0, 1].tolist() == [0.5, 0.5, 0.0, 0.0, 0.0, 0.5]
 
 
 @pytest.mark.parametrize(
@@ -247,6 +250,7 @@ def test_plain_tables_stay_narrow():
         ({"law": {"kind": "magic", "B": 1, "C": 3}}, "C of a magic formula must be 2 or less"),
         ({"law": {"kind": "magic", "B": 1, "C": 1, "E": 2}}, "E of a magic formula must be -10 to 1"),
         ({"law": {"kind": "stribeck", "speed": 1, "exponent": 9}}, "exponent of a Stribeck law must be 0.5 to 4"),
+        ({"tangential_restitution": 1.5}, "tangential restitution of body - floor must be between 0 and 1, got 1.5"),
         ({"adhesion": -1}, "adhesion of body - floor must be 0 N or more, got -1"),
         ({"adhesion_pressure": math.nan}, "adhesion pressure of body - floor must be a finite number"),
         ({"static_across": -0.1}, "static friction across the grain of body - floor must be 0 or more"),

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from stiction import checks
 from stiction.errors import InvalidInputError, MaterialWarning
-from stiction.laws import PARAMETERS, Coulomb, FrictionLaw, law_from
+from stiction.laws import Coulomb, FrictionLaw, law_from
 from stiction.pair_properties import EXTRAS, LABELS, PROPERTIES, PairProperties, check_value
 
 DEFAULT_MATERIAL = "default"
@@ -151,6 +151,7 @@ class MaterialTable:
         dynamic_across: float | None = None,
         adhesion: float | None = None,
         adhesion_pressure: float | None = None,
+        tangential_restitution: float | None = None,
         source: str = "set by user",
     ) -> None:
         """Sets the properties of two materials, which need not be known before.
@@ -172,6 +173,8 @@ class MaterialTable:
             dynamic_across: the same for dynamic friction.
             adhesion: force with which a contact holds on when it is pulled, 0 N or more.
             adhesion_pressure: the same per area of a face, 0 Pa or more.
+            tangential_restitution: of impacts that bounce, how much of the slip comes back reversed where friction can
+                hold, 0 to 1.
             source: where the numbers come from.
 
         Raises:
@@ -194,6 +197,7 @@ class MaterialTable:
             "dynamic_across": dynamic_across,
             "adhesion": adhesion,
             "adhesion_pressure": adhesion_pressure,
+            "tangential_restitution": tangential_restitution,
         }
         checked: dict[str, Any] = {
             name: check_value(name, words, value) for name, value in given.items() if value is not None
@@ -281,19 +285,18 @@ class MaterialTable:
 
         Returns:
             (k, k, 5) array, symmetric in its first two axes: static, dynamic, restitution (dimensionless), rolling,
-            torsional (m). If any of the pairs has more, (k, k, 10 + PARAMETERS): then also the ratios across / along
-            of static and dynamic friction, adhesion (N) and adhesion pressure (Pa), and the code and the parameters of
-            the law.
+            torsional (m). If any of the pairs has one, also tangential restitution, (k, k, 6). If any has more, (k, k,
+            11 + PARAMETERS): then also the ratios across / along of static and dynamic friction, adhesion (N) and
+            adhesion pressure (Pa), and the code and the parameters of the law.
 
         Raises:
             InvalidInputError: a material is not known.
         """
         pairs = {(i, j): self.pair(a, b) for i, a in enumerate(names) for j, b in enumerate(names[: i + 1])}
-        plain = all(pair.is_plain for pair in pairs.values())
-        width = len(PROPERTIES) if plain else len(PROPERTIES) + len(EXTRAS) + 1 + PARAMETERS
+        width = max((pair.width for pair in pairs.values()), default=len(PROPERTIES))
         result = np.zeros((len(names), len(names), width))
         for (i, j), pair in pairs.items():
-            row = pair.numbers() if plain else (*pair.numbers(), *pair.extras())
+            row = (*pair.numbers(), *pair.extras())[:width]
             result[i, j, : len(row)] = result[j, i, : len(row)] = row
         return result
 

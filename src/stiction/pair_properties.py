@@ -7,12 +7,12 @@ from typing import Any
 
 from stiction import checks
 from stiction.errors import InvalidInputError
-from stiction.laws import Coulomb, FrictionLaw
+from stiction.laws import PARAMETERS, Coulomb, FrictionLaw
 
 PROPERTIES = ("static", "dynamic", "restitution", "rolling", "torsional")
 """The numbers that every pair has, in the order of the last axis of :meth:`MaterialTable.to_array`."""
 
-EXTRAS = ("static_across", "dynamic_across", "adhesion", "adhesion_pressure")
+EXTRAS = ("tangential_restitution", "static_across", "dynamic_across", "adhesion", "adhesion_pressure")
 """Numbers of some pairs; with ``law`` what :meth:`MaterialTable.to_array` adds if any pair has one of them."""
 
 LABELS = {
@@ -21,6 +21,7 @@ LABELS = {
     "restitution": "restitution",
     "rolling": "rolling resistance",
     "torsional": "torsional resistance",
+    "tangential_restitution": "tangential restitution",
     "static_across": "static friction across the grain",
     "dynamic_across": "dynamic friction across the grain",
     "adhesion": "adhesion",
@@ -44,6 +45,8 @@ class PairProperties:
         static_across, dynamic_across: coefficients across the grain of a body that has one, as ``static`` and
             ``dynamic`` are along it; None where they are the same.
         adhesion: force with which a contact holds on, N. adhesion_pressure: the same per area of a face, Pa.
+        tangential_restitution: ratio of the slip after an impact that bounces and sticks, and the slip before it, with
+            the opposite sign: 0 for one that just sticks, 1 for a superball.
 
     What works at once, in this order: the law makes the dynamic coefficient; the grain makes an ellipse of it, in which
     friction is most dissipative; the load that the coefficient is taken of is that of the surfaces on each other,
@@ -61,13 +64,20 @@ class PairProperties:
     dynamic_across: float | None = None
     adhesion: float = 0.0
     adhesion_pressure: float = 0.0
+    tangential_restitution: float = 0.0
 
     @property
     def is_plain(self) -> bool:
         """Whether it is described by the five numbers that every pair has."""
-        return (self.law, self.static_across, self.dynamic_across, self.adhesion, self.adhesion_pressure) == (
-            Coulomb(), None, None, 0.0, 0.0
-        )  # fmt: skip
+        return self.width == len(PROPERTIES)
+
+    @property
+    def width(self) -> int:
+        """How many of :meth:`numbers` and :meth:`extras`, one behind the other, it needs; the rest are as usual."""
+        laws = self.law, self.static_across, self.dynamic_across, self.adhesion, self.adhesion_pressure
+        if laws != (Coulomb(), None, None, 0.0, 0.0):
+            return len(PROPERTIES) + len(EXTRAS) + 1 + PARAMETERS
+        return len(PROPERTIES) + (self.tangential_restitution > 0.0)
 
     def __repr__(self) -> str:
         """The five numbers, what else it has, and the source."""
@@ -82,10 +92,12 @@ class PairProperties:
         return tuple(getattr(self, name) for name in PROPERTIES)
 
     def extras(self) -> tuple[float, ...]:
-        """Ratios across / along of static and dynamic friction, adhesion (N, Pa), code and parameters of the law."""
+        """Tangential restitution, ratios across / along of static and dynamic friction, adhesion (N, Pa), code and
+        parameters of the law."""
         law = self.law
         static, dynamic = _ratio(self.static_across, self.static), _ratio(self.dynamic_across, self.dynamic)
-        return (static, dynamic, self.adhesion, self.adhesion_pressure, float(law.code), *law.parameters())
+        others = self.adhesion, self.adhesion_pressure, float(law.code), *law.parameters()
+        return (self.tangential_restitution, static, dynamic, *others)
 
 
 def _ratio(across: float | None, along: float) -> float:
@@ -95,7 +107,7 @@ def _ratio(across: float | None, along: float) -> float:
 def check_value(name: str, words: str, value: Any) -> float:
     """One of the numbers of a pair, that ``words`` name, within its range."""
     label = f"{LABELS[name]} of {words}"
-    if name == "restitution":
+    if name in ("restitution", "tangential_restitution"):
         result = checks.number(label, value)
         if not 0.0 <= result <= 1.0:
             raise InvalidInputError(f"{label} must be between 0 and 1, got {value!r}.")

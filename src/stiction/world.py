@@ -17,7 +17,6 @@ from stiction.errors import InvalidInputError, NotYetError, SimulationError
 from stiction.events import ContactEvents, EventLog
 from stiction.journal import Journaled
 from stiction.materials import MaterialTable
-from stiction.pair_properties import PROPERTIES
 from stiction.queries import Queries
 from stiction.shapes import Shape
 
@@ -28,7 +27,7 @@ Array = NDArray[np.float64]
 
 SOLVERS = ("micro", "soft", "exact")
 DEFAULT_SOLVER = "soft"
-SUBSTEPS = {"micro": 1, "soft": 8, "exact": 1}
+SUBSTEPS = {"micro": 1, "soft": 8, "exact": 4}
 """Parts of a step."""
 ITERATIONS = {"micro": 100, "soft": 100, "exact": 1000}
 TOLERANCE = 1e-8
@@ -50,7 +49,7 @@ class World(Queries, Accounts, Journaled):
         dt: time step, s.
         solver: ``"soft"``, the default: fast, with memory of contacts from step to step; ``"micro"``, the lecture's;
             ``"exact"``, rigid contacts and both coefficients solved to a tolerance, for reference and small worlds.
-        substeps: parts of a step: 8 in ``soft``, 1 in the others, of which ``micro`` has no more.
+        substeps: parts of a step: 8 in ``soft``, 4 in ``exact``; ``micro`` has no more than 1.
         iterations: how often ``micro`` may resolve a contact in a stage of a step, on average, before the limit is
             reported, 100 if left out; how many passes over all contacts ``exact`` may make in a substep, 1000.
         precision: of contacts in ``soft``: ``"single"``, the default (positions are in double precision always), or
@@ -369,7 +368,7 @@ class World(Queries, Accounts, Journaled):
         self._must_not_be_recorded("solver")
         solver = checks.one_of("solver", solver, SOLVERS)
         substeps = SUBSTEPS[solver] if substeps is None else self._checked_substeps(solver, substeps)
-        if solver == "micro" and self.materials.to_array(self._material_names).shape[2] > len(PROPERTIES):
+        if solver == "micro" and self.materials.to_array(self._material_names).shape[2] > self._state.STATIC_ACROSS:
             raise NotYetError(NO_LAWS)
         self._store = move(self._store, solver, "single" if solver == "soft" else "double")
         self._solver, self._substeps, self._iterations = solver, substeps, ITERATIONS[solver]
@@ -423,8 +422,13 @@ class World(Queries, Accounts, Journaled):
         steps = n if type(n) is int and n > 0 else checks.integer("n", n, minimum=1)
         store = self._store
         settings, table, journal, events = self._settings, self._pair_table(), self._journal, self._events
-        step = store.step if journal is None else functools.partial(journal.follow, store.step)
-        failure = step(steps, settings, table) if events is None else events.follow(store, step, steps, settings, table)
+        if events is not None:
+            step = store.step if journal is None else functools.partial(journal.follow, store.step)
+            failure = events.follow(store, step, steps, settings, table)
+        elif journal is not None:
+            failure = journal.follow(store.step, steps, settings, table)
+        else:
+            failure = store.step(steps, settings, table)
         if failure is not None:
             body = self._bodies[failure.body]
             last = {k: getattr(body, k) for k in ("position", "orientation", "velocity", "angular_velocity")}
@@ -510,7 +514,7 @@ class World(Queries, Accounts, Journaled):
         key = (id(self.materials), self.materials.version, len(self._material_names))
         if key != self._table_of:
             table = self.materials.to_array(self._material_names)
-            if self._solver == "micro" and table.shape[2] > len(PROPERTIES):
+            if self._solver == "micro" and table.shape[2] > self._state.STATIC_ACROSS:
                 raise NotYetError(NO_LAWS)
             if self._table_of is not None and self._table_of[:2] != key[:2]:
                 self._wake_all()

@@ -388,6 +388,7 @@ dynamic = 0.9
 static_across = 0.8
 dynamic_across = 0.7
 adhesion = 2.0
+tangential_restitution = 0.5
 law = {kind = "brush", stiffness = 15.0}
 
 [[bodies]]
@@ -403,6 +404,7 @@ def test_laws_and_grain_are_read(tmp_path: Path) -> None:
     pair = world.materials.pair("road", "tyre")
     assert pair.law == BrushTyre(15.0)
     assert (pair.static_across, pair.dynamic_across, pair.adhesion) == (0.8, 0.7, 2.0)
+    assert pair.tangential_restitution == 0.5
     with pytest.raises(InvalidInputError, match="did you mean 'brush'"):
         scene_of(tmp_path, (HEAD + LAWS).replace('"brush"', '"brsh"')).build()
 

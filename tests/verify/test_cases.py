@@ -22,7 +22,6 @@ LARGEST = {
     "spin-down-of-a-face": 1.5,  # s
     "tower-of-ten": 0.05,  # m/s and m
     "heavy-on-light": 0.01,  # m/s and m
-    "sliding-rod": 0.02,  # m and rad
     "kapla-tower": 3.0,  # m/s and m
 }
 """How large the error of a known limit may become at dt = 1/60 s before somebody should ask why: about

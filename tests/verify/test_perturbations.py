@@ -134,6 +134,7 @@ CHANGES: dict[str, tuple[Change, str]] = {
     ),
     "rolling resistance 1 % more": (coefficients(rolling=1.01), "rolling-resistance rolling-resistance-on-slope"),
     "rolling resistance 2 % more": (coefficients(rolling=1.02), "balance-on-an-edge"),
+    "tangential restitution 1 % less": (coefficients(tangential_restitution=0.99), "superball"),
     "adhesion 2 % more": (coefficients(adhesion=1.02, adhesion_pressure=1.02), "pull-off"),
     "mu across the grain 1 % more": (coefficients(static_across=1.01, dynamic_across=1.01), "grain-on-slope"),
     "torsional resistance 1 % more": (coefficients(torsional=1.01), "torsional-resistance"),

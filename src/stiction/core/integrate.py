@@ -60,6 +60,8 @@ from stiction.core.vec import (
     vec3,
 )
 
+FAST = 1.2
+"""rad: a body that turns by less than twice that in a step turns by the right angle about a changing axis."""
 MEAN_TOLERANCE = 1e-7
 """m: a contact may be carried that far into the other body by moving with the mean velocity."""
 
@@ -83,15 +85,48 @@ def apply_forces(bodies, n, gravity, dt):
 
 @jit
 def gyroscopic(R, inertia, w, dt):
-    """Angular velocity after dt of Euler's equation I w' = -w x I w, by the implicit mid-point rule in body axes.
+    """Angular velocity after dt of Euler's equation, of a body that has not turned yet; all in world axes."""
+    w0 = transpose(R) @ w
+    w1, changes = euler(inertia, w0, dt)
+    return R @ w1 if changes else w
+
+
+@jit
+def spin_freely(R, inertia, w, dt):
+    """How a body turns in dt that nothing touches, as a rotation vector, and its angular velocity then, seen from the
+    turned body; with it, whether the latter has changed.
+
+    If a body turns about the mean angular velocity m of the mid-point rule by 2 atan(|m| dt / 2), angular momentum
+    keeps its direction to rounding as well (Cayley's map; Hairer, Lubich, Wanner, "Geometric Numerical Integration",
+    IV.8.3). The rule is told a time that makes this |m| dt, but for how much |w| changes in a step.
+    """
+    w0 = transpose(R) @ w
+    speed = length(w0)
+    time, close = dt, 0.5 * speed * dt < FAST
+    if speed > 0.0 and close:
+        time = 2.0 * math.tan(0.5 * speed * dt) / speed
+    w1, changes = euler(inertia, w0, time)
+    if not changes:
+        return w * dt, w0, False
+    middle = (w0 + w1) * 0.5
+    m = length(middle)
+    angle = dt
+    if m > 0.0 and close:
+        angle = 2.0 * math.atan(0.5 * m * time) / m
+    return R @ (middle * angle), w1, True
+
+
+@jit
+def euler(inertia, w0, dt):
+    """Angular velocity after dt of Euler's equation I w' = -w x I w, by the implicit mid-point rule in body axes, and
+    whether it is another one.
 
     The rule keeps the quadratic invariants w . I w and |I w|^2 exactly (Hairer, Lubich, Wanner, "Geometric Numerical
     Integration", IV.2.1), so a free top neither loses nor gains energy. Newton's method, usually two or three steps.
     """
-    w0 = transpose(R) @ w
     momentum = inertia @ w0
     if length(cross(w0, momentum)) <= 1e-14 * length(w0) * length(momentum):
-        return w
+        return w0, False
     w1 = step = w0
     for _ in range(10):
         middle = (w0 + w1) * 0.5
@@ -105,7 +140,9 @@ def gyroscopic(R, inertia, w, dt):
         if length(step) <= 1e-15 * length(w1):
             break
     # of many turns a step Newton may not find the root; to turn on about the same axis keeps both invariants as well
-    return R @ w1 if length(step) <= 1e-9 * length(w1) else w
+    if length(step) <= 1e-9 * length(w1):
+        return w1, True
+    return w0, False
 
 
 @jit

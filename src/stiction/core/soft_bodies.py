@@ -12,7 +12,7 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.broadphase import body_margin, set_bounds
 from stiction.core.contact_space import world_inverse_inertia
-from stiction.core.integrate import gyroscopic
+from stiction.core.integrate import gyroscopic, spin_freely
 from stiction.core.jit import jit
 from stiction.core.lanes import load_part, store_part
 from stiction.core.ledger import spin_energy
@@ -171,20 +171,20 @@ def finish_contact(bodies, i, pose, rows, dt, ledger):
 def finish_free(bodies, kinds, i, pose, gravity, dt, ledger):
     """A whole step of a body that touches nothing, or of a kinematic one."""
     v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
-    v1, w1 = v0, w0
-    if kinds[i, MOBILITY] == DYNAMIC:
-        R = mat33(pose, i + 1, s.POSE_ROTATION)
-        w0 = gyroscopic(R, mat33(bodies, i, INERTIA), w0, dt)
-        I = world_inverse_inertia(R, mat33(bodies, i, INVERSE_INERTIA))
-        v1 = v0 + (gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS]) * dt
-        w1 = w0 + (I @ vec3(bodies, i, TORQUE)) * dt
-        put_vec3(bodies, i, V, v1)
-        put_vec3(bodies, i, W, w1)
-        enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
-    else:
+    if kinds[i, MOBILITY] != DYNAMIC:
         put_vec3(bodies, i, V_START, v0)
         put_vec3(bodies, i, W_START, w0)
-    _go(bodies, i, pose, (v0 + v1) * (0.5 * dt), (w0 + w1) * (0.5 * dt), dt)
+        _go(bodies, i, pose, v0 * dt, w0 * dt, dt)
+        return
+    R = mat33(pose, i + 1, s.POSE_ROTATION)
+    angle, w1, changes = spin_freely(R, mat33(bodies, i, INERTIA), w0, dt)
+    I = world_inverse_inertia(R, mat33(bodies, i, INVERSE_INERTIA))
+    dv = (gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS]) * dt
+    dw = (I @ vec3(bodies, i, TORQUE)) * dt
+    enter_work(bodies, i, v0 + v0 + dv, w0 + w0 + dw, dt, ledger)
+    _go(bodies, i, pose, v0 * dt + dv * (0.5 * dt), angle + dw * (0.5 * dt), dt)
+    put_vec3(bodies, i, V, v0 + dv)
+    put_vec3(bodies, i, W, (rotation(quat(bodies, i, ORIENTATION)) @ w1 if changes else w0) + dw)
 
 
 @jit

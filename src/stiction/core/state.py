@@ -21,7 +21,9 @@ STATIC, KINEMATIC, DYNAMIC = 0, 1, 2
 
 STATIC_MU, DYNAMIC_MU, RESTITUTION, ROLLING, TORSIONAL = range(5)
 """Columns of the pair table, and from MU on of a contact."""
-STATIC_ACROSS, DYNAMIC_ACROSS, ADHESION, ADHESION_PRESSURE, LAW, LAW_FIRST = range(5, 11)
+TANGENTIAL = 5
+"""Tangential restitution: a column that a table has where some pair has one, or any of the following."""
+STATIC_ACROSS, DYNAMIC_ACROSS, ADHESION, ADHESION_PRESSURE, LAW, LAW_FIRST = range(6, 12)
 """Columns that a table has where some pair needs them: coefficients across the grain over those along it; force (N) and
 pressure (Pa) with which a contact holds on; code and parameters of the law of sliding."""
 
@@ -76,15 +78,15 @@ ISLAND is the lowest body of those that fell asleep together."""
     NORMAL,  # 3, world, from a to b
     SEPARATION,  # m, negative when the shapes overlap
     K_ROW,  # 6, upper triangle of the contact matrix, by rows, 1/kg
-    AIM,  # closing speed that may remain, m/s
+    AIM,  # 3, collision velocity that may remain, contact coordinates, m/s
     START,  # 3, collision velocity before the impulses, contact coordinates, m/s
     IMPULSE,  # 3, on b, contact coordinates, N s
     TWIST,  # 3, rolling and torsional angular impulse on b, contact coordinates, N m s
     TOTAL,  # normal impulse of the whole step, impacts included, N s
     TOTAL_FRICTION,  # 3, friction impulse of the whole step on b, world, N s
-    MU,  # 5, the pair's row of the table
+    MU,  # 6, the pair's row of the table, tangential restitution included
     CONTACT_WIDTH,
-) = _starts(3, 3, 1, 6, 1, 3, 3, 3, 1, 3, 5)
+) = _starts(3, 3, 1, 6, 3, 3, 3, 3, 1, 3, 6)
 
 BODY_A, BODY_B, FEATURE, STATUS, TAGS_WIDTH = range(5)
 """Columns of the contacts' integers, (m, TAGS_WIDTH) int64: the bodies, lower one first; the feature, the same for the

@@ -45,7 +45,7 @@ FRAMES_PER_SECOND = 30.0
 """Of simulated time, if nobody says otherwise."""
 CHECKPOINT_STEPS = 2000
 """Steps from one snapshot to the next: whoever wants to go on from a step has to run so many at most."""
-BATCH_BYTES = 1 << 22
+BATCH_BYTES = 1 << 21
 """Aimed size of the states that are handed over at once."""
 BATCH_STEPS = 256
 """Steps that are handed over at once, at most."""

@@ -94,6 +94,8 @@ class PairTable(Table):
     """Force with which a contact holds on, N."""
     adhesion_pressure: fields.Pressure | None = None
     """The same per area of a face, Pa."""
+    tangential_restitution: fields.Fraction | None = None
+    """Of impacts that bounce, how much of the slip comes back reversed where friction can hold, 0 to 1."""
     source: Text | None = None
     """Where the numbers come from."""
 

@@ -144,6 +144,66 @@ def _along(measured: Array, expected: Array) -> tuple[float, float]:
     )
 
 
+class Superball(Case):
+    """Its slip comes back: thrown under a table it returns to the hand, which sliding and rolling never do."""
+
+    name = "superball"
+    title = "a rough elastic ball reverses its slip where it hits, and comes back from under a table"
+    formula = (
+        "u = v + s, s = r w: v' = v - 2/7 (1 + e_t) u, s' = s - 5/7 (1 + e_t) u while 2/7 (1 + e_t) |u| < mu (1 + e) "
+        "v_n, else friction is all of mu; floor, table, floor: v_3 = -333/343 v"
+    )
+    source = "Garwin, 'Kinematics of an Ultraelastic Rough Ball', Am. J. Phys. 37, 88 (1969)"
+    tolerance = "2 eps an impact (speeds), 2 eps 3 m v more (energy)"
+    tolerance_reason = "each impact is one contact, resolved at once; nothing depends on dt"
+    other_tolerance: ClassVar = {
+        "soft": (
+            "2 eps + u v t / h (speeds), that times 3 m v (energy)",
+            "as for micro; and single precision (u = 2^-24) rounds a speed in each substep",
+        ),
+    }
+    RADIUS: ClassVar = 0.03
+    SPEED: ClassVar = 4.0
+    MU: ClassVar = 0.9
+
+    def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
+        """Against a wall that lies askew, on both sides of friction's limit; then between floor and table."""
+        mu, vn, r, eps = self.MU, self.SPEED, self.RADIUS, 2.0 * solver_tolerance(solver)
+        t1, t2, n = matrix(product(about((1, 2, 0), 0.7), about((0, 0, 1), 0.3))).T
+        for e, back in ((1.0, 1.0), (0.8, 0.5)):
+            limit = mu * (1.0 + e) * vn * (1.0 + K) / (K * (1.0 + back))
+            for share in (0.5, 0.99, 1.01, 2.0):
+                world = make_world(
+                    solver, dt, static=mu, restitution=e, tangential_restitution=back, gravity=WEIGHTLESS
+                )
+                world.add(st.Plane(n), static=True)
+                w = 40.0 * (0.6 * t1 + 0.8 * t2)
+                u = share * limit * (0.8 * t1 - 0.6 * t2)
+                vt = u - np.cross(w, -r * n)
+                ball = world.add(st.Sphere(r), position=r * n, velocity=vt - vn * n, angular_velocity=w)
+                world.step()
+                change = -min(1.0, 1.0 / share) * (1.0 + back) * K / (1.0 + K) * u
+                what = f"e_t {back:g}, |u| = {share:g} of the limit"
+                v, spun = ball.velocity, r * (w + np.cross(-n, change) / (K * r))
+                along, surface = _along(v - (v @ n) * n, vt + change), _along(r * ball.angular_velocity, spun)
+                slack = eps + rounding(solver, max(along[0], surface[0]), dt, dt)
+                yield Measurement(f"speed along the wall, {what}", *along, slack, "m/s")
+                yield Measurement(f"surface speed r w, {what}", *surface, slack, "m/s")
+
+        world = make_world(solver, dt, static=mu, restitution=1.0, tangential_restitution=1.0, gravity=WEIGHTLESS)
+        world.add(st.Plane((0, 0, 1)), static=True)
+        world.add(st.Plane((0, 0, -1)), static=True, position=(0, 0, 0.7))
+        ball = world.add(st.Sphere(r), mass=0.1, position=(0, 0, 0.3), velocity=(3.0, 0, -vn))
+        before = ball.kinetic_energy
+        # 0.27 m down, 0.64 m up, 0.64 m down, and some way up
+        steps = steps_for(1.75 / vn, dt)
+        world.step(steps)
+        slack = 3.0 * eps + rounding(solver, 3.0 + vn, steps * dt, dt)
+        yield Measurement("back from under the table", -3.0 * 333.0 / 343.0, float(ball.velocity[0]), slack, "m/s")
+        slack *= 3.0 * ball.mass * (3.0 + vn)
+        yield Measurement("energy after three impacts", before, ball.kinetic_energy, slack, "J")
+
+
 class TwoBodies(Case):
     """A light sphere hits a heavy one, and a box a box, head on."""
 

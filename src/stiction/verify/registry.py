@@ -63,6 +63,7 @@ CASES: tuple[type[Case], ...] = (
     cases_rolling.TorsionalResistance,
     cases_impact.BouncingBall,
     cases_impact.ObliqueImpact,
+    cases_impact.Superball,
     cases_impact.TwoBodies,
     cases_impact.Momentum,
     cases_impact.BilliardThrow,

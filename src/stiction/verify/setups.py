@@ -29,6 +29,7 @@ def make_world(
     restitution: float = 0.0,
     rolling: float = 0.0,
     torsional: float = 0.0,
+    tangential_restitution: float = 0.0,
     gravity: ArrayLike = GRAVITY,
     sleeping: bool = True,
 ) -> st.World:
@@ -37,7 +38,7 @@ def make_world(
     table.set_pair(
         "default", "default",
         static=static, dynamic=static if dynamic is None else dynamic,
-        restitution=restitution, rolling=rolling, torsional=torsional,
+        restitution=restitution, rolling=rolling, torsional=torsional, tangential_restitution=tangential_restitution,
     )  # fmt: skip
     return st.World(gravity=gravity, dt=dt, solver=solver, materials=table, sleeping=sleeping)
 

@@ -24,7 +24,7 @@ from stiction.core.state import (
     V,
     W,
 )
-from stiction.core.vec import cross, dot, mat33, put_vec3, vec3
+from stiction.core.vec import cross, dot, length, mat33, put_vec3, vec3
 
 
 @jit
@@ -39,6 +39,7 @@ def collect_impacts(bodies, active, count, manifolds, meta, pose, contacts, tags
         xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)
         n, u = Ra @ vec3(manifolds, row, s.NORMAL_A) * 1.0, Ra @ vec3(manifolds, row, s.TANGENT_A) * 1.0
+        n = n * (1.0 / length(n))  # in single precision it is one to seven digits, which would make or take energy
         v = cross(n, u)
         shift = dot(n, vec3(manifolds, row, s.SHIFT) * 1.0)
         center = xa + Ra @ vec3(meta, row, s.ANCHOR_A) + n * (0.5 * shift)

@@ -26,13 +26,14 @@ from stiction.core.state import (
     SEPARATION,
     START,
     STATUS,
+    TANGENTIAL,
     TWIST,
     V_START,
     W_START,
     V,
     W,
 )
-from stiction.core.vec import Vec3, dot, put_vec3, vec3
+from stiction.core.vec import Vec3, dot, length, put_vec3, vec3
 
 IMPACT_WAVES = 64
 """Most waves of impacts in one step (a Newton's cradle of k balls takes k)."""
@@ -51,9 +52,11 @@ def resolve_impacts(
     """Collisions that bounce, in waves: all contacts that close fast enough now, then those that close because of it.
 
     Within a wave each contact aims at leaving with its restitution times its closing speed, friction acting all the
-    while. Newton's restitution with friction can create energy (Kane and Levinson, 1985); a group of touching impacts
-    that would do so gets less restitution until it does not. Contacts that close slower than the threshold, or do not
-    bounce, are left to resting contact.
+    while; where it sticks, tangential restitution reverses the slip (Garwin, "Kinematics of an Ultraelastic Rough
+    Ball", Am. J. Phys. 37, 1969; Walton, "Numerical simulation of inelastic, frictional particle-particle
+    interactions", 1993). Newton's restitution with friction can create energy (Kane and Levinson, 1985); a group of
+    touching impacts that would do so gets less restitution until it does not. Contacts that close slower than the
+    threshold, or do not bounce, are left to resting contact.
     """
     visits = 0
     left = 0.0
@@ -91,7 +94,9 @@ def _choose_bouncing(bodies, contacts, tags, m, settings, gravity):
         gap = max(contacts[c, SEPARATION], 0.0)
         if u.x > settings.threshold and gap - SLOP <= settings.dt * (u.x + settings.dt * max(pull, 0.0)):
             tags[c, STATUS] = ACTIVE
-            contacts[c, AIM] = -leaving_speed(u.x, restitution, 2.0 * pull * gap)
+            leaves = leaving_speed(u.x, restitution, 2.0 * pull * gap)
+            rebound = contacts[c, MU + TANGENTIAL]
+            put_vec3(contacts, c, AIM, Vec3(-leaves, -rebound * u.y, -rebound * u.z))
             put_vec3(contacts, c, START, u)
             put_vec3(contacts, c, IMPULSE, Vec3(0.0, 0.0, 0.0))
             put_vec3(contacts, c, TWIST, Vec3(0.0, 0.0, 0.0))
@@ -155,14 +160,16 @@ def _lower_restitution(bodies, n, contacts, tags, m, group, gain):
             normal, friction, rolling = dissipation(bodies, contacts, tags, c)
             g = _group_of(bodies, tags, c, group)
             gain[g, 0] -= normal + friction + rolling
-            gain[g, 1] += contacts[c, IMPULSE] * abs(contacts[c, START])
+            gain[g, 1] += length(vec3(contacts, c, IMPULSE)) * length(vec3(contacts, c, START))
     lowered = False
     for c in range(m):
         if tags[c, STATUS] & ACTIVE:
             g = _group_of(bodies, tags, c, group)
-            if gain[g, 0] > 1e-12 * gain[g, 1] and contacts[c, AIM] < 0.0:
-                contacts[c, AIM] *= RESTITUTION_CUT
-                if contacts[c, AIM] > -1e-3 * contacts[c, START]:
-                    contacts[c, AIM] = 0.0
+            aim = vec3(contacts, c, AIM)
+            if gain[g, 0] > 1e-12 * gain[g, 1] and (aim.x < 0.0 or aim.y != 0.0 or aim.z != 0.0):
+                aim = aim * RESTITUTION_CUT
+                if length(aim) < 1e-3 * contacts[c, START]:
+                    aim = Vec3(0.0, 0.0, 0.0)
+                put_vec3(contacts, c, AIM, aim)
                 lowered = True
     return lowered

@@ -45,7 +45,7 @@ from stiction.core.state import (
     V,
     W,
 )
-from stiction.core.vec import Vec3, length, mat33, put_vec3, vec3
+from stiction.core.vec import length, mat33, put_vec3, vec3
 from stiction.core.worst import build, leaves_for, update, worst
 
 TOLERANCE = 1e-6
@@ -125,7 +125,7 @@ def resolve(bodies, contacts, tags, c):
     mu = friction_coefficient(contacts, tags, c)
 
     # what the collision velocity would be without this contact's own impulse, less what may remain of it
-    free = slip(bodies, V, W, contacts, tags, c, B) + K @ old - Vec3(contacts[c, AIM], 0.0, 0.0)
+    free = slip(bodies, V, W, contacts, tags, c, B) + K @ old - vec3(contacts, c, AIM)
     new, sticks = coulomb_impulse(K, free, mu, mu)
     apply(bodies, contacts, tags, c, B @ (new - old))
     put_vec3(contacts, c, IMPULSE, new)
@@ -163,11 +163,10 @@ def missing_torque(bodies, contacts, tags, c, B):
 def error(bodies, contacts, tags, c):
     """How far the velocity of a contact is from what its law demands of its present impulse, m/s."""
     B = contact_basis(vec3(contacts, c, NORMAL))
-    u = slip(bodies, V, W, contacts, tags, c, B)
+    u = slip(bodies, V, W, contacts, tags, c, B) - vec3(contacts, c, AIM)
     g = vec3(contacts, c, IMPULSE)
-    closing = u.x - contacts[c, AIM]
     if g.x <= 0.0:
-        return max(closing, 0.0)
+        return max(u.x, 0.0)
 
     slipping = math.sqrt(u.y * u.y + u.z * u.z)
     if tags[c, STATUS] & SATURATED:
@@ -181,7 +180,7 @@ def error(bodies, contacts, tags, c):
         else:
             slipping = 0.0
     turning = turning_error(bodies, contacts, tags, c, B) if resists_turning(contacts, c) else 0.0
-    return max(abs(closing), max(slipping, turning))
+    return max(abs(u.x), max(slipping, turning))
 
 
 @jit
@@ -205,7 +204,7 @@ def let_go(bodies, contacts, tags, m, tree, leaves, speed):
     """
     for c in range(m):
         if tags[c, STATUS] & ACTIVE and not tags[c, STATUS] & KINETIC:
-            u = slip(bodies, V, W, contacts, tags, c, contact_basis(vec3(contacts, c, NORMAL)))
+            u = slip(bodies, V, W, contacts, tags, c, contact_basis(vec3(contacts, c, NORMAL))) - vec3(contacts, c, AIM)
             if math.sqrt(u.y * u.y + u.z * u.z) > speed:
                 tags[c, STATUS] |= KINETIC
                 update(tree, leaves, c, error(bodies, contacts, tags, c))

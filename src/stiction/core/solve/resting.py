@@ -34,7 +34,7 @@ def resolve_resting(bodies, contacts, tags, m, first, touching, tree, settings, 
     """
     for c in range(m):
         tags[c, STATUS] = ACTIVE
-        contacts[c, AIM] = max(contacts[c, SEPARATION] - SLOP, 0.0) / settings.dt
+        put_vec3(contacts, c, AIM, Vec3(max(contacts[c, SEPARATION] - SLOP, 0.0) / settings.dt, 0.0, 0.0))
         B = contact_basis(vec3(contacts, c, NORMAL))
         put_vec3(contacts, c, START, slip(bodies, V_START, W_START, contacts, tags, c, B))
         put_vec3(contacts, c, IMPULSE, Vec3(0.0, 0.0, 0.0))
