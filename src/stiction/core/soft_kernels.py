@@ -1,0 +1,49 @@
+"""Which kernels a step of the soft solver is made of, in which variants, and where its parts are."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from stiction.core import soft_entry, soft_parts
+from stiction.core.jit import config
+from stiction.core.parts import Variant, address_of
+from stiction.core.side_by_side import Task, prepare
+
+COSTS = {
+    soft_parts.find: 16.0,
+    soft_parts.solve: 14.0,
+    soft_entry.soft_step: 11.0,
+    soft_parts.impacts: 7.0,
+    soft_parts.pairs: 5.0,
+    soft_entry.assist: 1.0,
+    soft_entry.dismiss: 0.5,
+}
+"""How long each takes to compile beside the others, s; only their ratios matter."""
+
+
+@functools.cache
+def parts_for(double: bool, team: bool, on: tuple[str, ...]) -> Any:
+    """Have all kernels of a step ready; returns what the book says of its parts.
+
+    Args:
+        double: precision of the solver.
+        team: whether several threads do a step together.
+        on: what bodies and pairs need: ``boxes_meet``, ``hulls``, ``bounces``, ``rolls``, ``laws``, ``exact``.
+
+    """
+    variant = Variant(double, team, on)
+    parts = [soft_parts.pairs, soft_parts.find, soft_parts.solve]
+    if "bounces" in on:
+        parts.append(soft_parts.impacts)
+    if config.DISABLE_JIT:
+        return [address_of(part, variant) for part in parts]
+    kernels = [soft_entry.soft_step, *parts]
+    if team:
+        kernels += [soft_entry.assist, soft_entry.dismiss]
+    prepare([Task(kernel, variant, COSTS[kernel]) for kernel in kernels])
+    page = np.zeros(soft_parts.IMPACTS_PART + 1, np.int64)
+    page[: len(parts)] = [address_of(part, variant) for part in parts]
+    return page
