@@ -16,7 +16,7 @@ A part returns an int. An exception in it goes on to its caller, as from any fun
 from __future__ import annotations
 
 import functools
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numba
 from numba import extending
@@ -27,7 +27,10 @@ from stiction.core.team import Team, make_team
 
 intrinsic: Any = extending.intrinsic  # called with one argument less than it is written with
 
-Table = Number = Crew = Switch = Any
+Table: TypeAlias = Any
+Number: TypeAlias = Any
+Crew: TypeAlias = Any
+Switch: TypeAlias = Any
 PAGES = types.Array(types.int64, 2, "C")
 
 
