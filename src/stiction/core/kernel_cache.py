@@ -34,11 +34,11 @@ class KernelCache(FunctionCache):
 
     def __init__(self, function: Any) -> None:
         super().__init__(function)
-        locator = self._impl.locator
-        self._cache_file = KernelFiles(self._cache_path, self._impl.filename_base, locator.get_source_stamp())
+        stamp = self._impl.locator.get_source_stamp()
+        self._cache_file = self._files = KernelFiles(self._cache_path, self._impl.filename_base, stamp)
 
     def holds(self, signature: tuple[Any, ...], context: Any) -> bool:
         """Whether the variant for arguments of these types is there."""
         with self._guard_against_spurious_io_errors():
-            return self._cache_file.holds(self._index_key(signature, context.codegen()))
+            return self._files.holds(self._index_key(signature, context.codegen()))
         return False

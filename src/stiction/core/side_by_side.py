@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 from numba.core.event import Event, EventStatus, broadcast
 
 from stiction.core import jit
+from stiction.core.kernel_cache import KernelCache
 from stiction.core.parts import Variant, signature
 
 START = 3.0
@@ -47,10 +48,10 @@ class Task(NamedTuple):
 
     def is_done(self) -> bool:
         """Whether it need not be compiled any more."""
-        types = signature(self.kernel, self.variant)
+        types, cache = signature(self.kernel, self.variant), self.kernel._cache
         if types in self.kernel.overloads:
             return True
-        return jit.kernel_folder() is not None and self.kernel._cache.holds(types, self.kernel.targetctx)
+        return isinstance(cache, KernelCache) and cache.holds(types, self.kernel.targetctx)
 
     def do(self) -> None:
         """Load the kernel from the cache, or compile it."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from stiction.core import soft_entry, soft_parts
 from stiction.core.jit import config
-from stiction.core.parts import Variant, address_of
+from stiction.core.parts import Variant, address_of, signature
 from stiction.core.side_by_side import Task, prepare
 
 COSTS = {
@@ -35,15 +35,30 @@ def parts_for(double: bool, team: bool, on: tuple[str, ...]) -> Any:
 
     """
     variant = Variant(double, team, on)
-    parts = [soft_parts.pairs, soft_parts.find, soft_parts.solve]
-    if "bounces" in on:
-        parts.append(soft_parts.impacts)
+    parts = _parts(variant)
+    prepare_steps(variant)
     if config.DISABLE_JIT:
         return [address_of(part, variant) for part in parts]
-    kernels = [soft_entry.soft_step, *parts]
-    if team:
-        kernels += [soft_entry.assist, soft_entry.dismiss]
-    prepare([Task(kernel, variant, COSTS[kernel]) for kernel in kernels])
     page = np.zeros(soft_parts.IMPACTS_PART + 1, np.int64)
     page[: len(parts)] = [address_of(part, variant) for part in parts]
     return page
+
+
+def prepare_steps(*variants: Variant) -> None:
+    """Have the kernels of the steps of several kinds of world ready."""
+    if config.DISABLE_JIT:
+        return
+    tasks = {}
+    for variant in variants:
+        kernels = [soft_entry.soft_step, *_parts(variant)]
+        if variant.team:
+            kernels += [soft_entry.assist, soft_entry.dismiss]
+        for kernel in kernels:
+            tasks[kernel, signature(kernel, variant)] = Task(kernel, variant, COSTS[kernel])
+    prepare(list(tasks.values()))
+
+
+def _parts(variant: Variant) -> list[Any]:
+    """The parts of a step, in the order of their addresses on the page."""
+    parts = [soft_parts.pairs, soft_parts.find, soft_parts.solve]
+    return [*parts, soft_parts.impacts] if "bounces" in variant.on else parts
