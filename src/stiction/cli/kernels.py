@@ -15,8 +15,10 @@ from numba.core.event import Event, Listener, register, unregister
 
 TIMES = "compile-times.json"
 """Beside the kernels: how long each took."""
-NOTHING = {"none", "omitted(default=None)"}
+OFF = {"none", "omitted(default=None)"}
 """Types of an argument that a variant does without."""
+ON = "omitted(default=1)"
+"""Type of a switch that is on (:mod:`stiction.core.parts`)."""
 
 
 class Kernel(NamedTuple):
@@ -70,8 +72,8 @@ def _switches(name: str, signatures: list[Any]) -> list[list[str]]:
     if not names or any(len(names) != len(one) for one in signatures):
         return [[] for _ in signatures]
     texts = [[str(kind) for kind in one] for one in signatures]
-    optional = [k for k in range(len(names)) if any(one[k] in NOTHING for one in texts)]
-    return [[names[k] for k in optional if one[k] not in NOTHING] for one in texts]
+    optional = [k for k in range(len(names)) if any(one[k] in {*OFF, ON} for one in texts)]
+    return [[names[k] for k in optional if one[k] not in OFF] for one in texts]
 
 
 def _arguments(name: str) -> list[str]:
