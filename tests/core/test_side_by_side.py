@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from numba.core import event
 
+import stiction as st
 from stiction.core import jit, side_by_side, soft_entry, soft_kernels, soft_parts
 from stiction.core.parts import Variant, signature
 from stiction.core.side_by_side import COMPILED_ELSEWHERE, START, Task, share_out
@@ -80,6 +81,21 @@ def test_a_step_is_made_of_what_its_world_needs(monkeypatch: pytest.MonkeyPatch)
         ["assist", "dismiss", "find", "impacts", "pairs", "soft_step", "solve"],
         ["find", "find", "pairs", "soft_step", "solve", "solve"],
     ]
+
+
+def test_what_python_hands_over_is_what_was_prepared() -> None:
+    """With other types a kernel would be compiled a second time, by this process alone."""
+    worlds = [st.World(threads=threads) for threads in (1, 2)]
+    for world in worlds:
+        world.add(st.Plane(), static=True)
+        world.add(st.Box((1, 1, 1)), position=(0, 0, 0.6))
+        world.add(st.Box((1, 1, 1)), position=(0, 0, 1.7))
+        world.step()
+    st.Batch(worlds[0], 3).step()
+    every = [Variant(double, team) for double in (False, True) for team in (False, True)]
+    for kernel in (soft_entry.soft_step, soft_entry.assist, soft_entry.dismiss):
+        assert kernel.overloads
+        assert set(kernel.overloads) <= {signature(kernel, variant) for variant in every}
 
 
 # --- children ---------------------------------------------------------------------------------------------------------
