@@ -5,31 +5,17 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from stiction.core import jit, state
+from stiction.core.soft_book import book_of_worker
+from stiction.core.soft_entry import assist, dismiss
 from stiction.core.soft_scratch import PAIR_CONTACTS
-from stiction.core.soft_step import assist, dismiss
 from stiction.core.team import Team, make_team
 
 Result = TypeVar("Result")
-
-
-class Arrays(NamedTuple):
-    """What leader and workers have in common, as :func:`stiction.core.soft_step.assist` takes it."""
-
-    bodies: Any
-    kinds: Any
-    pairs: Any
-    soft: Any
-    desk: Any
-    table: Any
-    boxes_meet: Any
-    hulls: Any
-    rolls: Any
-    laws: Any
 
 
 class Helpers:
@@ -57,20 +43,20 @@ class Crew:
     def __init__(self, threads: int) -> None:
         self.threads = threads
         self._helpers = Helpers(threads - 1)
-        self._ready: set[Any] = set()
         self._scratch = [(*state.make_contacts(PAIR_CONTACTS), np.zeros((state.SCRATCH, 5))) for _ in range(1, threads)]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Crew, (self.threads,)
 
-    def lead(self, leader: Callable[[Team | None], Result], arrays: Arrays) -> Result:
-        """Call ``leader`` with a team whose other workers are there, working on the same arrays."""
+    def lead(self, leader: Callable[[Team | None], Result], book: Any, one: Any) -> Result:
+        """Call ``leader`` with a team whose other workers are there, with the same book; ``one`` is 1 in the precision
+        of the solver. Their kernels have been prepared."""
         if self.threads == 1 or jit.config.DISABLE_JIT:
             return leader(None)
-        self._compile(arrays)
         team, pool = make_team(self.threads), self._helpers.pool()
         at_work = [
-            pool.submit(_assist, arrays, scratch, team, worker) for worker, scratch in enumerate(self._scratch, 1)
+            pool.submit(assist, book_of_worker(book, *scratch), one, team, worker)
+            for worker, scratch in enumerate(self._scratch, 1)
         ]
         try:
             return leader(team)
@@ -78,15 +64,3 @@ class Crew:
             dismiss(team)
             for worker in at_work:
                 worker.result()
-
-    def _compile(self, arrays: Arrays) -> None:
-        """Have the workers' kernel ready before any of them waits for another: alone, it goes home at once."""
-        kind = (arrays.boxes_meet is None, arrays.hulls is None, arrays.rolls is None, arrays.laws is None)
-        if kind not in self._ready:
-            _assist(arrays, self._scratch[0], make_team(1), 0)
-            self._ready.add(kind)
-
-
-def _assist(arrays: Arrays, scratch: tuple[Any, ...], team: Team, worker: int) -> None:
-    bodies, kinds, pairs, soft, desk, table, boxes_meet, hulls, rolls, laws = arrays
-    assist(bodies, kinds, pairs, soft, desk, *scratch, table, boxes_meet, hulls, rolls, laws, team, worker)

@@ -29,7 +29,7 @@ SCRATCH = {
 """Arrays that a step fills before it reads them: of these a snapshot keeps the shape alone. The rows of contact points
 are so in the soft solver only, which has manifolds besides; ``micro`` has nothing else to answer with."""
 NOT_KEPT = {
-    "crew", "dtype", "_one", "_exact", "_table", "_written", "_needs", "_edited", "_tree_is_fresh",
+    "crew", "dtype", "_one", "rigid", "_table", "_written", "_needs", "_parts", "_edited", "_tree_is_fresh",
     "_outcome", "cycles", "seconds", "hulls",
 }  # fmt: skip
 """Attributes of a store that follow from the others, or from the settings and materials of its world."""

@@ -10,13 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stiction.core import pairs as p
-from stiction.core import questions, removal, soft_book, soft_entry, soft_rows, soft_scratch, soft_step, state, touching
+from stiction.core import (
+    questions,
+    removal,
+    soft_book,
+    soft_entry,
+    soft_kernels,
+    soft_rows,
+    soft_scratch,
+    soft_step,
+    state,
+    touching,
+)
 from stiction.core.clock import STAGES
 from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, grow_pair_cache, make_pair_cache
 from stiction.core.soft_report import report_contacts
 from stiction.core.solve import exact
 from stiction.core.tree import NONE, RIGHT, grow_tree, make_tree
-from stiction.crew import Arrays, Crew
+from stiction.crew import Crew
 from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilation, close_gaps
 
 PRECISIONS = {"single": np.float32, "double": np.float64}
@@ -29,14 +40,19 @@ rod whose radius is 1/130 of its half length."""
 
 
 class Needs(NamedTuple):
-    """What has to be compiled into the step: 1, or None for what no body needs."""
+    """What has to be compiled into the step, and what no body needs."""
 
-    boxes_meet: int | None
-    hulls: int | None
-    bounces: int | None
-    rolls: int | None
-    laws: int | None
-    exact: int | None
+    boxes_meet: bool = False
+    hulls: bool = False
+    bounces: bool = False
+    rolls: bool = False
+    laws: bool = False
+    exact: bool = False
+
+    def parts(self, dtype: Any, team: bool) -> Any:
+        """Where the parts of such a step are, compiled now if need be."""
+        on = tuple(name for name, wanted in zip(self._fields, self, strict=True) if wanted)
+        return soft_kernels.parts_for(dtype is np.float64, team, on)
 
 
 class SoftStore(Store):
@@ -45,7 +61,7 @@ class SoftStore(Store):
     def __init__(self, precision: str, threads: int = 1, rigid: bool = False) -> None:
         super().__init__()
         self.crew = Crew(threads)
-        self._exact = 1 if rigid else None
+        self.rigid = rigid  # contacts are those of the exact solver
         room, pairs = len(self.bodies), 64
         self.dtype = PRECISIONS[precision]
         self.tree = make_tree(room)
@@ -59,7 +75,8 @@ class SoftStore(Store):
         self._one = self.dtype(1.0)
         self._outcome = np.zeros((1, soft_step.OUTCOME_WIDTH), np.int64)
         self._written: tuple[tuple[int, ...], tuple[Any, ...], Any] = (), (), None
-        self._needs: tuple[tuple[int, ...], Needs] = (), Needs(None, None, None, None, None, None)
+        self._needs: tuple[tuple[int, ...], Needs] = (), Needs()
+        self._parts: Any = None
         self._edited: set[int] = set()
         self._tree_is_fresh = False
 
@@ -89,8 +106,10 @@ class SoftStore(Store):
         began = time.perf_counter()
         here = self.n, self.boxes, self.polytopes
         if table is not self._table or here != self._needs[0]:
-            self._table, self._needs = table, (here, self.needs(table))
+            self._table, self._needs, self._parts = table, (here, self.needs(table)), None
         announce_compilation()
+        if self._parts is None:
+            self._parts = self._needs[1].parts(self.dtype, self.crew.threads > 1)
         while left:
             done, reason, number = self._take(min(left, max(1, CHUNK // self.n)), settings, table)
             self.steps += done
@@ -104,25 +123,22 @@ class SoftStore(Store):
             elif reason == soft_step.BLOWN_UP:
                 return StepFailure(number, self.steps)
         self.seconds += time.perf_counter() - began
-        if self._exact:
+        if self.rigid:
             self._note_tally()
         return None
 
     def needs(self, table: Array) -> Needs:
         """What the step of these bodies needs with this table of pairs, or with one for each of many worlds."""
-        # the exact solver is for small worlds: fewer variants of the step are worth more to it than their speed
-        exact = self.rigid
         laws = table.shape[-1] > state.STATIC_ACROSS
-        wanted = (
-            exact or (self.boxes > 1 and self.dynamic_boxes > 0),
-            self.polytopes > 0,
-            exact or table[..., state.RESTITUTION].any(),
-            # whoever has laws compiles rolling resistance too: one variant of the step less
-            exact or laws or table[..., state.ROLLING].any(),
-            laws,
-            exact,
+        return Needs(
+            boxes_meet=self.boxes > 1 and self.dynamic_boxes > 0,
+            hulls=self.polytopes > 0,
+            bounces=bool(table[..., state.RESTITUTION].any()),
+            # who has laws or the exact solver compiles rolling resistance too: fewer variants of the solver
+            rolls=self.rigid or laws or bool(table[..., state.ROLLING].any()),
+            laws=laws,
+            exact=self.rigid,
         )
-        return Needs(*(1 if each else None for each in wanted))
 
     def _note_tally(self) -> None:
         """Enter into the report what the exact solver has tallied."""
@@ -130,11 +146,6 @@ class SoftStore(Store):
         row[state.VISITS], row[state.LIMITS], row[state.WORST] = (
             tally[k] for k in (exact.PASSES, exact.HITS, exact.WORST)
         )
-
-    @property
-    def rigid(self) -> bool:
-        """Whether contacts are those of the exact solver."""
-        return self._exact is not None
 
     def miss_log(self) -> Array:
         """Misses of the last substep that the exact solver took, m/s, every fifth pass."""
@@ -147,7 +158,7 @@ class SoftStore(Store):
         if blocks == 0 or self.n == 0:
             return 0.0
         laws = (self.kinds, self._table, self.soft.grain) if self._needs[1].laws else None
-        substeps = settings.substeps * (2 if self.scratch.counts[soft_scratch.HARD] and not self._exact else 1)
+        substeps = settings.substeps * (2 if self.scratch.counts[soft_scratch.HARD] and not self.rigid else 1)
         return float(
             exact.measure_miss(
                 self.soft.blocks, self.soft.members, blocks, self.soft.rows, settings.dt / substeps, laws
@@ -157,19 +168,15 @@ class SoftStore(Store):
     def _take(self, steps: int, settings: state.Settings, table: Array) -> Any:
         """Call the kernel: how many steps it took, its reason to return, and a number that goes with the reason."""
         needs = self._needs[1]
-        hulls = self.hulls.arrays if needs.hulls else None
         bounces = (self.contacts, self.tags, self._impact_lists(), self.report, _NO_COPY) if needs.bounces else ()
         outcome = self._outcome
         outcome[0, soft_step.TAKEN] = 0
-        given = steps, self.n, self._book(table, settings, bounces), 0, 1, 1, outcome, self._one, *needs
+        book = self._book(table, settings, bounces)
+        given = steps, self.n, book, 0, 1, 1, outcome, self._one, int(needs.bounces), int(needs.laws), int(needs.exact)
         if self.crew.threads == 1:
             soft_entry.soft_step(*given, None)
             return outcome.tolist()[0]
-        shared = Arrays(
-            self.bodies, self.kinds, self.cache.pairs, self.soft, self.desk, table, needs.boxes_meet, hulls,
-            needs.rolls, needs.laws,
-        )  # fmt: skip
-        self.crew.lead(functools.partial(soft_entry.soft_step, *given), shared)
+        self.crew.lead(functools.partial(soft_entry.soft_step, *given), book, self._one)
         return outcome.tolist()[0]
 
     def _book(self, table: Array, settings: state.Settings, bounces: tuple[Any, ...]) -> Any:
@@ -178,8 +185,8 @@ class SoftStore(Store):
         The parts are kept beside it, so that none of them can go away, nor its place be taken by another.
         """
         parts = (
-            self.bodies, self.kinds, table, settings, self.ledger, self.cycles, self.tree, self.cache, self.soft,
-            self.scratch, self.desk, self.hulls.arrays, *bounces,
+            self.bodies, self.kinds, table, settings, self.ledger, self.cycles, self._parts, self.tree, self.cache,
+            self.soft, self.scratch, self.desk, self.hulls.arrays, *bounces,
         )  # fmt: skip
         names = tuple(map(id, parts))
         if names != self._written[0]:
@@ -190,7 +197,7 @@ class SoftStore(Store):
 
     def __getstate__(self) -> dict[str, Any]:
         """Without addresses, which hold for this very store."""
-        return self.__dict__ | {"_written": ((), (), None)}
+        return self.__dict__ | {"_written": ((), (), None), "_parts": None}
 
     def _impact_lists(self) -> state.Lists:
         """Scratch of the impacts for as many bodies and contact rows as there is room for."""

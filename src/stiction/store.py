@@ -227,7 +227,9 @@ def announce_compilation() -> None:
         return
     _announced = True
     if jit.is_cold():
-        text = "stiction: compiling kernels for this machine, about a minute, once (`stiction warmup` does it ahead)."
+        text = (
+            "stiction: compiling kernels for this machine, half a minute or so, once (`stiction warmup` does it ahead)."
+        )
         if sys.stderr.isatty():
             print(text, file=sys.stderr)
         log.info(text)

@@ -191,6 +191,34 @@ def test_the_extras_are_those_of_the_package() -> None:
     assert {line.split(">")[0] for line in known["dependencies"]} <= {*info.PACKAGES, "llvmlite"}
 
 
+def test_the_switches_of_a_part_are_told() -> None:
+    from stiction.core import jit, soft_parts
+    from stiction.core.parts import Variant, signature
+
+    if jit.config.DISABLE_JIT:
+        pytest.skip("nothing is compiled")
+    both, one = (signature(soft_parts.find, Variant(False, False, on)) for on in (("boxes_meet", "hulls"), ("hulls",)))
+    assert kernels._switches("soft_parts.find", [both, one]) == [["boxes_meet", "hulls"], ["hulls"]]
+    assert kernels._switches("soft_parts.find", [one]) == [["hulls"]]
+    team = signature(soft_parts.find, Variant(False, True))
+    assert kernels._switches("soft_parts.find", [team, one]) == [["team"], ["hulls"]]
+
+
+def test_what_a_child_has_compiled_is_noted_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from numba.core.event import Event, EventStatus, broadcast
+
+    from stiction.core.side_by_side import COMPILED_ELSEWHERE
+
+    monkeypatch.setattr("stiction.core.jit.kernel_folder", lambda: tmp_path)
+    told = []
+    with kernels.noting_times(lambda: told.append(1)):
+        for seconds in (2.5, 1.0):
+            said = {"kernel": "find", "module": "stiction.core.soft_parts", "seconds": seconds}
+            broadcast(Event(COMPILED_ELSEWHERE, EventStatus.END, data=said))
+    assert json.loads((tmp_path / kernels.TIMES).read_text()) == {"soft_parts.find": 3.5}
+    assert not told  # it was over by then
+
+
 def test_how_long_compiling_took_is_noted(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     import numba
 

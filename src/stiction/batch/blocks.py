@@ -207,14 +207,16 @@ class Blocks:
         """The arrays of one world, views."""
         return self.parts(lambda block: block[world], desk)
 
-    def book(self, desk: Desk, table: AnyArray, settings: AnyArray, hulls: Any, bounces: bool) -> tuple[Any, Any]:
+    def book(
+        self, desk: Desk, table: AnyArray, settings: AnyArray, hulls: Any, bounces: bool, addresses: Any
+    ) -> tuple[Any, Any]:
         """The book that the kernel reads at this desk, and what must be kept as long as the book is."""
         parts = self.parts(Each, desk)
         every = Each if table.ndim > 3 else _same
         numbers = Each if settings.ndim > 1 else _same
         kept = (
             parts["bodies"], parts["kinds"], every(table), numbers(settings), parts["ledger"], desk.cycles,
-            parts["tree"], parts["cache"], parts["soft"], parts["scratch"], desk.lists, hulls,
+            addresses, parts["tree"], parts["cache"], parts["soft"], parts["scratch"], desk.lists, hulls,
             *(desk.bounces if bounces else ()),
         )  # fmt: skip
         return soft_book.book_of(*kept), kept

@@ -39,7 +39,7 @@ class Workers:
         self._contacts, self._blocks = 32, 0
         self._desks: list[Desk] = []
         self._helpers = Helpers(threads - 1)
-        self._written: tuple[tuple[int, int, bool], list[Any]] | None = None
+        self._written: tuple[tuple[int, int, bool, int], list[Any]] | None = None
         self.furnish(blocks)
 
     def furnish(self, blocks: Blocks) -> None:
@@ -58,6 +58,7 @@ class Workers:
     ) -> list[Failure]:  # fmt: skip
         """Take steps in all worlds that are not frozen; ``taken`` (worlds,) counts them. Returns who failed."""
         announce_compilation()
+        parts = needs.parts(blocks.dtype, team=False)
         failures: list[Failure] = []
         at_once = max(1, AT_ONCE // (blocks.n * blocks.worlds))
         stopped = frozen.copy()
@@ -67,7 +68,7 @@ class Workers:
             outcomes[:, soft_step.TAKEN] = np.where(stopped, now, 0)
             outcomes[:, soft_step.REASON] = soft_step.DONE
             while True:
-                self._go_round(now, blocks, table, settings, hulls, needs)
+                self._go_round(now, blocks, table, settings, hulls, needs, parts)
                 reasons = outcomes[:, soft_step.REASON]
                 for world in np.flatnonzero(reasons == soft_step.BLOWN_UP).tolist():
                     done = int(outcomes[world, soft_step.TAKEN])
@@ -98,19 +99,19 @@ class Workers:
         self.furnish(blocks)
 
     def _go_round(
-        self, steps: int, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, needs: Needs
+        self, steps: int, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, needs: Needs, parts: Any
     ) -> None:
         """Every worker takes ranges of worlds, one after the other, until none is left."""
         worlds = blocks.worlds
         width = -(-worlds // (self.threads * TURNS)) if self.threads > 1 else worlds
         starts = iter(range(0, worlds, width))
-        books = self._books(blocks, table, settings, hulls, needs.bounces is not None)
+        books = self._books(blocks, table, settings, hulls, needs.bounces, parts)
 
         def work(book: Any) -> None:
             for first in starts:
                 soft_entry.soft_step(
                     steps, blocks.n, book, first, min(first + width, worlds), self.desk.together, self._outcomes,
-                    self._one, *needs, None,
+                    self._one, int(needs.bounces), int(needs.laws), int(needs.exact), None,
                 )  # fmt: skip
 
         helpers = [self._helpers.pool().submit(work, book) for book, _ in books[1:]] if width < worlds else []
@@ -120,10 +121,12 @@ class Workers:
             for helper in helpers:
                 helper.result()
 
-    def _books(self, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, bounces: bool) -> list[Any]:
+    def _books(
+        self, blocks: Blocks, table: AnyArray, settings: AnyArray, hulls: Any, bounces: bool, parts: Any
+    ) -> list[Any]:
         """A book for each desk with what it must keep alive, written anew if an array in it was replaced: blocks are
         when they grow, and then there are new desks."""
-        names = id(table), id(settings), bounces
+        names = id(table), id(settings), bounces, id(parts)
         if self._written is None or self._written[0] != names:
-            self._written = names, [blocks.book(desk, table, settings, hulls, bounces) for desk in self._desks]
+            self._written = names, [blocks.book(desk, table, settings, hulls, bounces, parts) for desk in self._desks]
         return self._written[1]

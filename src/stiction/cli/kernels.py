@@ -15,6 +15,10 @@ from numba.core.event import Event, Listener, register, unregister
 
 TIMES = "compile-times.json"
 """Beside the kernels: how long each took."""
+OFF = {"none", "omitted(default=None)"}
+"""Types of an argument that a variant does without."""
+ON = "omitted(default=1)"
+"""Type of a switch that is on (:mod:`stiction.core.parts`)."""
 
 
 class Kernel(NamedTuple):
@@ -68,8 +72,8 @@ def _switches(name: str, signatures: list[Any]) -> list[list[str]]:
     if not names or any(len(names) != len(one) for one in signatures):
         return [[] for _ in signatures]
     texts = [[str(kind) for kind in one] for one in signatures]
-    optional = [k for k in range(len(names)) if any(one[k] == "none" for one in texts)]
-    return [[names[k] for k in optional if one[k] != "none"] for one in texts]
+    optional = [k for k in range(len(names)) if any(one[k] in {*OFF, ON} for one in texts)]
+    return [[names[k] for k in optional if one[k] not in OFF] for one in texts]
 
 
 def _arguments(name: str) -> list[str]:
@@ -100,17 +104,20 @@ def noting_times(on_compile: Callable[[], None] | None = None) -> Iterator[None]
         on_compile: told when that begins.
     """
     from stiction.core.jit import kernel_folder
+    from stiction.core.side_by_side import COMPILED_ELSEWHERE
 
     folder = kernel_folder()
     if folder is None:
         yield
         return
     listener = _Stopwatch(on_compile)
-    register("numba:compile", listener)
+    for kind in ("numba:compile", COMPILED_ELSEWHERE):
+        register(kind, listener)
     try:
         yield
     finally:
-        unregister("numba:compile", listener)
+        for kind in ("numba:compile", COMPILED_ELSEWHERE):
+            unregister(kind, listener)
         if listener.seconds:
             times = _times(folder)
             for name, seconds in listener.seconds.items():
@@ -120,7 +127,8 @@ def noting_times(on_compile: Callable[[], None] | None = None) -> Iterator[None]
 
 
 class _Stopwatch(Listener):
-    """Hears when Numba compiles; what is compiled inside something else belongs to that."""
+    """Hears when Numba compiles, and what a child has compiled; what is compiled inside something else belongs to
+    that."""
 
     def __init__(self, on_compile: Callable[[], None] | None) -> None:
         self.seconds: dict[str, float] = {}
@@ -134,9 +142,15 @@ class _Stopwatch(Listener):
         self._begun.append(time.perf_counter())
 
     def on_end(self, event: Event) -> None:
-        """Told by Numba when it is done."""
+        """Told by Numba when it is done, or after a child has ended."""
+        if "seconds" in event.data:
+            self._note(event.data["module"], event.data["kernel"], event.data["seconds"])
+            return
         took = time.perf_counter() - self._begun.pop()
         if not self._begun:
             function = event.data["dispatcher"].py_func
-            name = f"{function.__module__.rpartition('.')[2]}.{function.__name__}"
-            self.seconds[name] = self.seconds.get(name, 0.0) + took
+            self._note(function.__module__, function.__name__, took)
+
+    def _note(self, module: str, kernel: str, seconds: float) -> None:
+        name = f"{module.rpartition('.')[2]}.{kernel}"
+        self.seconds[name] = self.seconds.get(name, 0.0) + seconds

@@ -8,6 +8,7 @@ in a folder whose name is a hash of every source file of ``core``, of the versio
             count no references to arrays.
 ``inlined`` such a helper that is short and called often.
 ``entry``   the few fat kernels that Python calls: cached on disk, they release the GIL.
+``part``    the same for what such a kernel calls by its address.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ import numba.extending
 import numpy as np
 
 from stiction.core.compiling import EntryCompiler, LinkedCompiler, no_collection
+from stiction.core.kernel_cache import KernelCache
 
 CORE = Path(__file__).resolve().parent
 KEPT_FOLDERS = 6
@@ -118,6 +120,8 @@ inlined = numba.extending.register_jitable(**HELPER, forceinline=True)
 
 ENTRY: Any = {"error_model": "numpy", "nogil": True, "pipeline_class": EntryCompiler}
 """Options with which entries are compiled."""
+PART: Any = {**ENTRY, "_nrt": False}
+"""The same for parts of entries, see :mod:`stiction.core.parts`: like helpers, they count no references."""
 
 config: Any = numba.config
 
@@ -130,22 +134,28 @@ def kernel_folder() -> Path | None:
 
 def entry(function):
     """Decorator of an entry kernel: cached in :func:`cache_folder`, GIL released."""
+    return _kernel(function, ENTRY)
+
+
+def part(function):
+    """Decorator of a part of an entry, which is cached like one."""
+    return _kernel(function, PART)
+
+
+def _kernel(function, options):
     if config.DISABLE_JIT:
         return function
-    folder = kernel_folder()
-    if folder is None:
-        return _noted(numba.njit(**ENTRY)(function))
-    # The cache folder is read when a function is decorated, so other packages' caches stay where they are.
-    before = config.CACHE_DIR
-    config.CACHE_DIR = str(folder)
-    try:
-        return _noted(numba.njit(**ENTRY, cache=True)(function))
-    finally:
-        config.CACHE_DIR = before
-
-
-def _noted(kernel):
+    kernel = numba.njit(**options)(function)
     no_collection.entries.add(kernel)
+    folder = kernel_folder()
+    if folder is not None:
+        # The cache folder is read when a cache is made, so other packages' caches stay where they are.
+        before = config.CACHE_DIR
+        config.CACHE_DIR = str(folder)
+        try:
+            kernel._cache = KernelCache(function)
+        finally:
+            config.CACHE_DIR = before
     return kernel
 
 

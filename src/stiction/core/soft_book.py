@@ -17,8 +17,9 @@ from stiction.core.soft_rows import Soft
 from stiction.core.soft_scratch import Desk, Scratch
 from stiction.core.state import Lists, Settings
 from stiction.core.tree import Tree
+from stiction.core.vec import Vec3
 
-BODIES, KINDS, TABLE, SETTINGS, LEDGER, CYCLES, TREE = range(7)
+BODIES, KINDS, TABLE, SETTINGS, LEDGER, CYCLES, PARTS, TREE = range(8)
 CACHE = TREE + len(Tree._fields)
 SOFT = CACHE + len(PairCache._fields)
 SCRATCH = SOFT + len(Soft._fields)
@@ -28,17 +29,31 @@ BOUNCES = HULLS + len(Hulls._fields)
 WIDE = BOUNCES + 3 + len(Lists._fields)
 """Pages at which the parts of a book begin."""
 
+CONTACTS, TAGS, POINTS = (DESK + Desk._fields.index(name) for name in ("contacts", "tags", "points"))
+"""Pages of the scratch of one pair."""
+
 
 def book_of(
-    bodies: Any, kinds: Any, table: Any, numbers: Any, ledger: Any, cycles: Any, tree: Any, cache: Any, soft: Any,
-    scratch: Any, desk: Any, hulls: Any, *bounces: Any,
+    bodies: Any, kinds: Any, table: Any, numbers: Any, ledger: Any, cycles: Any, parts: Any, tree: Any, cache: Any,
+    soft: Any, scratch: Any, desk: Any, hulls: Any, *bounces: Any,
 ) -> Any:  # fmt: skip
     """The book that the step reads; each array may be a block of many worlds.
 
-    ``numbers``: the settings, (10,) float64; ``bounces``: contacts, tags, lists and report of the impacts, and room for
-    bodies with all columns, or nothing.
+    ``numbers``: the settings, (10,) float64; ``parts``: addresses of the parts of the step, in their order in
+    :mod:`stiction.core.soft_parts`; ``bounces``: contacts, tags, lists and report of the impacts, and room for bodies
+    with all columns, or nothing.
     """
-    return write_book(bodies, kinds, table, numbers, ledger, cycles, tree, cache, soft, scratch, desk, hulls, bounces)
+    return write_book(
+        bodies, kinds, table, numbers, ledger, cycles, parts, tree, cache, soft, scratch, desk, hulls, bounces
+    )
+
+
+def book_of_worker(book: Any, contacts: Any, tags: Any, points: Any) -> Any:
+    """The same book with a scratch of one pair of the worker's own."""
+    own = book.copy()
+    for page, array in ((CONTACTS, contacts), (TAGS, tags), (POINTS, points)):
+        own[page] = write_book(array)[0]
+    return own
 
 
 class Rows(NamedTuple):
@@ -67,6 +82,18 @@ def rows_of(book, w):
 def rows_of_all(book, w, worlds):
     """Bodies and ledgers of so many worlds from w on, as if they were of one."""
     return rows_at(book, BODIES, w, worlds, 0.0), entries_at(book, LEDGER, w, worlds, 0.0)
+
+
+@inlined
+def part_at(book, k):
+    """Where part k of the step is."""
+    return vector_at(book, PARTS, 0, 0)[k]
+
+
+@inlined
+def gravity_of(settings):
+    """The acceleration of gravity as a vector."""
+    return Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
 
 
 @inlined
@@ -145,10 +172,8 @@ def hulls_at(book, w, wanted):
 
 
 @inlined
-def bounces_at(book, w, wanted):
-    """Rows of contacts, their tags, lists and the report of the impacts, and room for bodies, or None."""
-    if wanted is None:
-        return None
+def bounces_at(book, w):
+    """Rows of contacts, their tags, lists and the report of the impacts, and room for bodies."""
     k = BOUNCES
     lists = Lists(
         vector_at(book, k + 2, w, 0), matrix_at(book, k + 3, w, 0),

@@ -18,25 +18,24 @@ from stiction.core.colouring import (
     fill_blocks,
     forget_colours,
 )
-from stiction.core.find import list_manifolds, update_manifolds
-from stiction.core.friction.laws import laws_of
+from stiction.core.find import list_manifolds
 from stiction.core.integrate import first_not_finite, is_number, restore_body
-from stiction.core.jit import entry, jit
+from stiction.core.jit import jit
 from stiction.core.ledger import note_edits, total_energy
 from stiction.core.manifolds import clear_manifold, drive_work
-from stiction.core.pairs import BEGUN, SLOT, update_pairs
+from stiction.core.pairs import BEGUN, SLOT
 from stiction.core.sleep import PERIOD, put_to_sleep
 from stiction.core.soft_book import (
     bounces_at,
     cache_at,
     desk_at,
-    hulls_at,
+    gravity_of,
+    part_at,
     rows_of,
     rows_of_all,
     scratch_at,
     soft_at,
     soft_of_all,
-    tree_at,
 )
 from stiction.core.soft_edits import take_edits
 from stiction.core.soft_lists import (
@@ -52,6 +51,19 @@ from stiction.core.soft_lists import (
     list_touching,
     new_ones,
     unmark,
+)
+from stiction.core.soft_parts import (
+    BOUNCE,
+    COLLECT,
+    FIND_PART,
+    IMPACTS_PART,
+    PAIRS_PART,
+    REPORT,
+    SOLVE_PART,
+    call_find,
+    call_impacts,
+    call_pairs,
+    call_solve,
 )
 from stiction.core.soft_scratch import (
     ACTIVE,
@@ -80,15 +92,11 @@ from stiction.core.soft_scratch import (
     TOUCHING,
     USED,
 )
-from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
-from stiction.core.solve.exact import exact_of
-from stiction.core.solve.passes import run_passes
 from stiction.core.solve.results import store_blocks
 from stiction.core.solve.soft import NOTHING_NEW, SETTLING
 from stiction.core.state import EDITS, FRICTION, IMPACTS, INITIAL, MECHANICAL, NUMERICAL, ROLLING_LOSS, WORK
-from stiction.core.team import COUNT, FIND, HOME, JOB, MOVING_BODIES, SOLVE, call, meet
-from stiction.core.team import SUBSTEPS as SUBSTEPS_TOLD
-from stiction.core.vec import Vec3, length
+from stiction.core.team import FIND, SOLVE, call, meet
+from stiction.core.vec import length
 
 DONE, MORE_PAIRS, MORE_BLOCKS, BLOWN_UP, MORE_CONTACTS, GOES = range(6)
 """Why a world has stopped, or that it has not."""
@@ -104,15 +112,16 @@ SLOW = 0.375
 
 
 @jit
-def take_steps(steps, n, book, first, last, outcomes, one, boxes_meet, hulls, bounces, rolls, laws, exact, team):
+def take_steps(steps, n, book, first, last, outcomes, one, bounces, laws, exact, team):
     """Steps of the worlds from ``first`` to before ``last``, of n bodies each, until each has taken so many.
 
     ``outcomes`` (worlds, OUTCOME_WIDTH) has how many it has taken, why it returned, and a number that goes with the
     reason. When there is no room for a step's pairs, blocks or impacts a world stops before that step has changed
     anything but the manifolds, which are found anew or kept when it is taken again, with the room that is needed; when
     a body would no longer be finite, with that body, and all bodies as they were before.
-    ``laws``: 1 where a pair has more than constant coefficients, ``exact``: 1 with the exact solver; else None.
-    ``team``: None, or the :class:`stiction.core.team.Team` whose other workers are in :func:`assist`.
+    ``bounces``: whether a pair bounces; ``laws``: whether one has more than constant coefficients; ``exact``: whether
+    this is the exact solver. ``team``: None, or the :class:`stiction.core.team.Team` whose other workers are in
+    :func:`stiction.core.soft_entry.assist`.
     """
     notes, worlds = desk_at(book).notes, last - first
     going = 0
@@ -128,14 +137,12 @@ def take_steps(steps, n, book, first, last, outcomes, one, boxes_meet, hulls, bo
                 notes[k, ROLE] = NOBODY
                 if outcomes[first + k, REASON] == GOES:
                     notes[k, FROM] = room
-                    alone = find_contacts(
-                        n, book, first + k, notes[k], outcomes, one, boxes_meet, hulls, bounces, laws, exact, team
-                    )
+                    alone = find_contacts(n, book, first + k, notes[k], outcomes, one, bounces, laws, exact, team)
                     alone &= worlds > 1
                     room += notes[k, ACTIVE] if notes[k, ROLE] == WAITS and not alone else 0
                 k += 1
             start, count = (k - 1, 1) if alone else (0, worlds)
-            solve_worlds(n, book, first + start, count, notes[start:], outcomes, one, bounces, rolls, laws, exact, team)
+            solve_worlds(n, book, first + start, count, notes[start:], outcomes, one, bounces, laws, team)
             if alone:
                 notes[start, ROLE] = NOBODY
         going = 0
@@ -168,10 +175,10 @@ def begin_call(steps, n, book, w, note, outcomes, one):
 
 
 @jit
-def find_contacts(n, book, w, note, outcomes, one, boxes_meet, hulls, bounces, laws, exact, team):
+def find_contacts(n, book, w, note, outcomes, one, bounces, laws, exact, team):
     """The first half of a step: who takes part, which pairs there are, their manifolds. Returns whether the world must
     be solved alone."""
-    bodies, kinds, table, _, profile, settings = rows_of(book, w)
+    bodies, kinds, _, _, profile, settings = rows_of(book, w)
     soft, cache = soft_at(book, w, note[PLACE], one), cache_at(book, w)
     scratch, desk = scratch_at(book, w), desk_at(book)
     counts = scratch.counts
@@ -189,7 +196,7 @@ def find_contacts(n, book, w, note, outcomes, one, boxes_meet, hulls, bounces, l
             note[FILL] = ALWAYS if note[FILL] == ALWAYS else NEVER
             begin_others(bodies, kinds, n, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
         lap(profile, 0)
-        pairs = update_pairs(tree_at(book, w), cache, bodies, kinds, scratch.bodies[AWAKE], awake, dt)
+        pairs = call_pairs(part_at(book, PAIRS_PART), (book, w, awake, dt))
         if pairs > cache.pairs.shape[0]:
             stop(n, book, w, outcomes, MORE_PAIRS, pairs)
             return False
@@ -197,10 +204,7 @@ def find_contacts(n, book, w, note, outcomes, one, boxes_meet, hulls, bounces, l
             clear_manifold(soft.manifolds, soft.meta, soft.reports, cache.begun[k, SLOT] + 1)
         lap(profile, 1)
         call(team, FIND, pairs, 0, 0, SLOW * g * dt, dt)
-        update_manifolds(
-            bodies, kinds, cache.pairs, pairs, soft, active_ones, desk.contacts, desk.tags, desk.points,
-            table, SLOW * g * dt, dt, boxes_meet, hulls_at(book, w, hulls), team,
-        )  # fmt: skip
+        call_find(part_at(book, FIND_PART), (book, w, note[PLACE], note[FROM], pairs, SLOW * g * dt, dt, one, team))
         meet(team)
         active, woke = list_manifolds(bodies, kinds, n, cache.pairs, pairs, active_ones)
         counts[STALE] |= woke
@@ -213,27 +217,24 @@ def find_contacts(n, book, w, note, outcomes, one, boxes_meet, hulls, bounces, l
         h = dt / substeps
         begin_bodies(bodies, kinds, scratch.bodies[AWAKE], awake, soft.pose, soft.rows, soft.aux, gravity, g, dt, h)
     impacts = 0
-    if bounces is not None:
-        contacts, tags, _, _, _ = bounces_at(book, w, bounces)
-        impacts = collect_impacts(
-            bodies, active_ones, active, soft.manifolds, soft.meta, soft.pose, contacts, tags, settings, g
-        )
-        if impacts > contacts.shape[0]:
+    if bounces:
+        impacts = call_impacts(part_at(book, IMPACTS_PART), (book, COLLECT, w, n, note[PLACE], note[FROM], active, one))
+        if impacts > bounces_at(book, w)[0].shape[0]:
             stop(n, book, w, outcomes, MORE_CONTACTS, impacts)
             return False
     fresh = new_ones(soft.manifolds, active_ones, active)
     note[ROLE], note[ACTIVE], note[TAKING_PART] = WAITS, active, awake
     note[SUBSTEPS], note[FRESH], note[BOUNCING] = substeps, fresh, impacts
     lap(profile, 3)
-    if laws is not None or exact is not None:
+    if laws or exact:
         return True
     return fresh > NOTHING_NEW or impacts > 0 or hard != 0
 
 
 @jit
-def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, rolls, laws, exact, team):
+def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, team):
     """The second half of a step of those of so many worlds from ``first`` on that wait."""
-    _, kinds, table, _, profile, settings = rows_of(book, first)
+    _, _, _, _, profile, settings = rows_of(book, first)
     desk, soft, dt = desk_at(book), soft_of_all(book, first, worlds, notes[0, PLACE], one), settings.dt
     places, pairs = desk.lists.shape[1] // desk.notes.shape[0], soft.manifolds.shape[0] // worlds
 
@@ -268,13 +269,12 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, rolls, l
             scratch_at(book, first + j).counts[BLOCKS] = blocks
     lap(profile, 3)
 
-    laws = laws_of(laws, kinds, table, soft)
     if blocks > 0:
         call(team, SOLVE, blocks, moving, substeps, h, fresh)
-        run_passes(
-            soft, desk.lists[MOVING], desk.lists[GLIDE], desk.normals, sizes, blocks, moving, h, substeps, fresh,
-            profile, rolls, laws, exact_of(exact, settings, scratch_at(book, first)), team, 0,
-        )  # fmt: skip
+        call_solve(
+            part_at(book, SOLVE_PART),
+            (book, first, worlds, notes[0, PLACE], blocks, moving, h, substeps, fresh, one, team, 0),
+        )
 
     for j in range(worlds):
         desk.failed[j] = 0
@@ -293,15 +293,11 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, rolls, l
 @jit
 def begin_passes(book, w, n, base, moving, note, one, bounces, h):
     """Impacts, then the lists of who is in contact and who moves, from ``moving`` on; returns how many those are."""
-    bodies, kinds, table, ledger, _, settings = rows_of(book, w)
+    bodies, kinds, _, _, _, settings = rows_of(book, w)
     soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
     gravity = gravity_of(settings)
-    if bounces is not None and note[BOUNCING] > 0:
-        contacts, tags, impact_lists, report, wide = bounces_at(book, w, bounces)
-        bounce(
-            bodies, kinds, n, table, contacts, tags, note[BOUNCING], impact_lists, settings, ledger, report, gravity,
-            wide,
-        )  # fmt: skip
+    if bounces and note[BOUNCING] > 0:
+        call_impacts(part_at(book, IMPACTS_PART), (book, BOUNCE, w, n, note[PLACE], 0, note[BOUNCING], one))
         begin_bodies(
             bodies, kinds, scratch.bodies[AWAKE], note[TAKING_PART], soft.pose, soft.rows, soft.aux, gravity,
             length(gravity), settings.dt, h,
@@ -341,9 +337,8 @@ def end_step(book, w, base, note, outcomes, one, bounces):
     soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
     awake, taking_part, active = scratch.bodies[AWAKE], note[TAKING_PART], desk.active[note[FROM] :]
     ledger[WORK] += drive_work(bodies, kinds, active, note[ACTIVE], soft.manifolds, soft.meta, soft.pose, soft.reports)
-    if bounces is not None:
-        contacts, tags, _, _, _ = bounces_at(book, w, bounces)
-        report_bounces(contacts, tags, note[BOUNCING], soft.reports)
+    if bounces:
+        call_impacts(part_at(book, IMPACTS_PART), (book, REPORT, w, 0, note[PLACE], 0, note[BOUNCING], one))
     lap(profile, 7)
     mark = desk.lists[MARK, base:]
     finish_bodies(
@@ -390,15 +385,9 @@ def stop(n, book, w, outcomes, reason, number):
 
 
 @jit
-def gravity_of(settings):
-    """The acceleration of gravity as a vector."""
-    return Vec3(settings.gravity_x, settings.gravity_y, settings.gravity_z)
-
-
-@jit
 def substeps_of(settings, counts, exact):
     """How many substeps the next step takes."""
-    return 2 * settings.substeps if counts[HARD] and exact is None else settings.substeps
+    return 2 * settings.substeps if counts[HARD] and not exact else settings.substeps
 
 
 @jit
@@ -411,37 +400,3 @@ def close_soft_ledger(bodies, n, gravity, ledger):
     entered -= ledger[FRICTION] + ledger[ROLLING_LOSS] + ledger[IMPACTS]
     ledger[IMPACTS] -= kinetic + potential - entered
     ledger[MECHANICAL] = kinetic + potential
-
-
-@entry
-def assist(
-    bodies, kinds, pairs, soft, desk, contacts, tags, points, table, boxes_meet, hulls, rolls, laws, team, worker
-):
-    """Do a worker's share of all jobs of the leader, who is in :func:`take_steps`, until the team goes home.
-
-    ``contacts``, ``tags`` and ``points`` are the worker's own scratch; only the leader keeps a profile.
-    """
-    words, numbers = team.words, team.numbers
-    laws = laws_of(laws, kinds, table, soft)
-    while True:
-        meet(team)
-        if words[JOB] == HOME:
-            return
-        if words[JOB] == FIND:
-            update_manifolds(
-                bodies, kinds, pairs, words[COUNT], soft, desk.active, contacts, tags, points, table, numbers[0],
-                numbers[1], boxes_meet, hulls, team,
-            )  # fmt: skip
-            meet(team)
-        else:
-            run_passes(
-                soft, desk.lists[MOVING], desk.lists[GLIDE], desk.normals, desk.sizes, words[COUNT],
-                words[MOVING_BODIES], numbers[0], words[SUBSTEPS_TOLD], int(numbers[1]), words, rolls, laws, None, team,
-                worker,
-            )  # fmt: skip
-
-
-@entry
-def dismiss(team):
-    """Send the workers of the team home."""
-    call(team, HOME, 0, 0, 0, 0.0, 0.0)

@@ -262,9 +262,9 @@ def real_force(blocks, o, g, laws):
 
 @jit
 def force_in_plane(blocks, o, lane, k, laws):
-    """The same of one lane, for the scaled force that begins at row k: its parts along u and v."""
+    """The same of one lane, for the force that begins at row k, scaled if there are ``laws``: its parts along u, v."""
     x, y = blocks[o + k, lane], blocks[o + k + 1, lane]
-    if laws is None:
+    if not laws:
         return x, y
     e = o + s.B_SCALED
     return blocks[e, lane] * x + blocks[e + 1, lane] * y, blocks[e + 2, lane] * x + blocks[e + 3, lane] * y

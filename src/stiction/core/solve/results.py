@@ -18,7 +18,7 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
     """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
     All rows are those of several worlds; of one that has ``failed`` nothing is stored. A lane that was padded names the
-    manifold of nobody.
+    manifold of nobody. ``laws``: whether the forces in the blocks are scaled (:mod:`stiction.core.friction.laws`).
     """
     for i in range(count):
         o = i * s.FIELDS

@@ -1,0 +1,101 @@
+"""The parts of a step of the soft solver that are kernels by themselves, which it calls by their addresses.
+
+They are the step's heaviest, and all that has variants but for precision and threads: so a world with another shape or
+another law has to compile that one part which knows of it. Each takes the book, and finds its arrays there.
+"""
+
+from __future__ import annotations
+
+from stiction.core.find import update_manifolds
+from stiction.core.friction.laws import laws_of
+from stiction.core.jit import part
+from stiction.core.pairs import update_pairs
+from stiction.core.parts import Crew, Number, Switch, Table, caller
+from stiction.core.soft_book import (
+    bounces_at,
+    cache_at,
+    desk_at,
+    gravity_of,
+    hulls_at,
+    rows_of,
+    scratch_at,
+    soft_at,
+    soft_of_all,
+    tree_at,
+)
+from stiction.core.soft_scratch import AWAKE, GLIDE, MOVING
+from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
+from stiction.core.solve.exact import exact_of
+from stiction.core.solve.passes import run_passes
+from stiction.core.vec import length
+
+PAIRS_PART, FIND_PART, SOLVE_PART, IMPACTS_PART = range(4)
+"""Where the address of each is on the page of parts; that of the impacts is 0 where nothing bounces."""
+
+COLLECT, BOUNCE, REPORT = range(3)
+"""What is to be done about impacts."""
+
+
+@part
+def pairs(book: Table, w: int, awake: int, dt: float) -> int:
+    """:func:`stiction.core.pairs.update_pairs` for the first ``awake`` of the bodies awake."""
+    bodies, kinds, _, _, _, _ = rows_of(book, w)
+    return update_pairs(
+        tree_at(book, w), cache_at(book, w), bodies, kinds, scratch_at(book, w).bodies[AWAKE], awake, dt
+    )
+
+
+@part
+def find(
+    book: Table, w: int, place: int, start: int, count: int, slow: float, dt: float, one: Number, team: Crew,
+    boxes_meet: Switch, hulls: Switch,
+) -> int:  # fmt: skip
+    """:func:`stiction.core.find.update_manifolds` of so many pairs of a world, whose bodies begin at ``place``, and its
+    active manifolds at ``start``, on the desk."""
+    bodies, kinds, table, _, _, _ = rows_of(book, w)
+    desk = desk_at(book)
+    update_manifolds(
+        bodies, kinds, cache_at(book, w).pairs, count, soft_at(book, w, place, one), desk.active[start:], desk.contacts,
+        desk.tags, desk.points, table, slow, dt, boxes_meet, hulls_at(book, w, hulls), team,
+    )  # fmt: skip
+    return 0
+
+
+@part
+def solve(
+    book: Table, w: int, worlds: int, place: int, blocks: int, moving: int, h: float, substeps: int, fresh: int,
+    one: Number, team: Crew, worker: int, rolls: Switch, laws: Switch, exact: Switch,
+) -> int:  # fmt: skip
+    """:func:`stiction.core.solve.passes.run_passes` over the blocks of so many worlds from w on."""
+    _, kinds, table, _, profile, settings = rows_of(book, w)
+    soft, desk = soft_of_all(book, w, worlds, place, one), desk_at(book)
+    run_passes(
+        soft, desk.lists[MOVING], desk.lists[GLIDE], desk.normals, desk.sizes, blocks, moving, h, substeps, fresh,
+        profile, rolls, laws_of(laws, kinds, table, soft), exact_of(exact, settings, scratch_at(book, w)), team, worker,
+    )  # fmt: skip
+    return 0
+
+
+@part
+def impacts(book: Table, job: int, w: int, n: int, place: int, start: int, count: int, one: Number) -> int:
+    """What bounces in a world: list it among the active manifolds, ``count`` from ``start`` on; or resolve ``count``
+    impacts that were listed, or report them.
+
+    Returns how many there are to resolve, which may exceed the room for them.
+    """
+    bodies, kinds, table, ledger, _, settings = rows_of(book, w)
+    soft, gravity = soft_at(book, w, place, one), gravity_of(settings)
+    contacts, tags, lists, report, wide = bounces_at(book, w)
+    if job == COLLECT:
+        active = desk_at(book).active[start:]
+        return collect_impacts(
+            bodies, active, count, soft.manifolds, soft.meta, soft.pose, contacts, tags, settings, length(gravity)
+        )
+    if job == BOUNCE:
+        bounce(bodies, kinds, n, table, contacts, tags, count, lists, settings, ledger, report, gravity, wide)
+    else:
+        report_bounces(contacts, tags, count, soft.reports)
+    return count
+
+
+call_pairs, call_find, call_solve, call_impacts = (caller(each) for each in (pairs, find, solve, impacts))
