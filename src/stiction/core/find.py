@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.ahead import SOON, ask_for, ask_for_row
 from stiction.core.collide.manifold import forget_face
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.jit import jit
 from stiction.core.manifolds import (
+    due_of,
     hint_of,
+    is_due,
     is_kept,
     look_of,
     margin_of,
@@ -15,9 +18,9 @@ from stiction.core.manifolds import (
     see_nothing,
     take_points,
 )
-from stiction.core.pairs import PAIR_A, PAIR_B, SLOT, is_sensed
+from stiction.core.pairs import DUE, PAIR_A, PAIR_B, SLOT, is_sensed
 from stiction.core.sleep import wake_island
-from stiction.core.state import ASLEEP, DYNAMIC, MOBILITY, NORMAL, SEPARATION
+from stiction.core.state import ASLEEP, DYNAMIC, MOBILITY, NORMAL, POSITION, SEPARATION, SIZE
 from stiction.core.team import take_piece
 from stiction.core.vec import vec3
 
@@ -47,6 +50,15 @@ def update_manifolds(
         for k in range(first, last):
             a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
             active[k, HAS_POINTS] = 0
+            ahead = min(k + SOON, last - 1)
+            if pairs[ahead, DUE] == 0:
+                ask_for_row(meta, pairs[ahead, SLOT] + 1, s.META_WIDTH)
+                ask_for_row(manifolds, pairs[ahead, SLOT] + 1, s.MANIFOLD_WIDTH)
+                ask_for_row(reports, pairs[ahead, SLOT] + 1, s.REPORT_WIDTH)
+                ask_for(bodies, pairs[ahead, PAIR_B], POSITION)
+                ask_for(bodies, pairs[ahead, PAIR_B], SIZE)
+            if not is_due(pose, a, b, pairs[k, DUE]):
+                continue
             if not (is_awake(kinds, a) or is_awake(kinds, b)) or is_sensed(kinds, a, b):
                 continue
             if not is_kept(kinds, a, b, pose, meta, row):
@@ -68,6 +80,7 @@ def update_manifolds(
             if meta[row, s.POINTS] > 0.0:
                 refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, dt)
                 active[k, HAS_POINTS] = 1
+            pairs[k, DUE] = due_of(pose, kinds, a, b, meta, row)
         piece += 1
         first, last = take_piece(team, piece, npairs)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from stiction.core import soft_rows as s
+from stiction.core.ahead import ask_for_block
 from stiction.core.clock import lap
 from stiction.core.colouring import COLOURS, count_colours
 from stiction.core.jit import jit
@@ -41,6 +43,7 @@ def run_passes(
     rounds = count_rounds(sizes, team)
     first, last = share(team, worker, 0, count)
     for i in range(first, last):
+        ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH)
         prepare_block(
             i, blocks, index, count, manifolds, soft.corners, aux, h, beta, compliance, beta_stiff, compliance_stiff,
             laws,
