@@ -239,13 +239,16 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, rolls, l
 
     # blocks
     sizes, starts = desk.sizes[: COLOURS + 1], desk.sizes[COLOURS + 1 :]
-    forget_colours(sizes)
+    forget_colours(sizes, starts)
     substeps, fresh = 0, NOTHING_NEW
     for j in range(worlds):
         if notes[j, ROLE] == WAITS:
             substeps, fresh = notes[j, SUBSTEPS], notes[j, FRESH]
             active = desk.active[notes[j, FROM] :]
-            colour_manifolds(active, notes[j, ACTIVE], rows_of(book, first + j).kinds, desk.lists[USED], sizes)
+            here, kinds_here = soft_at(book, first + j, notes[j, PLACE], one), rows_of(book, first + j).kinds
+            colour_manifolds(
+                active, notes[j, ACTIVE], kinds_here, here.manifolds, desk.lists[USED], sizes, starts
+            )  # fmt: skip
     if substeps == 0:
         return
     blocks = count_blocks(sizes)
