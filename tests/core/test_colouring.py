@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from stiction.core import soft_rows as s
 from stiction.core import state
 from stiction.core.colouring import (
     COLOURS,
@@ -41,15 +40,12 @@ class Coloured:
         self.active = np.zeros((max(m, 1), 4), np.int64)
         for k, (a, b) in enumerate(pairs):
             self.active[k, :3] = a, b, 100 + k
-        manifolds = np.zeros((100 + m + 1, s.MANIFOLD_WIDTH), np.float32)
-        if ways is not None:
-            manifolds[101:, s.LOAD + 3] = np.asarray(ways) != OPEN
-            manifolds[101:, s.STATE] = np.asarray(ways) != STICKS
         sizes, starts = np.full(COLOURS + 1, 5), np.full(WAYS * (COLOURS + 1), -7)  # of the step before
         compiled(forget_colours)(sizes, starts)
         used = np.full(n, -7)  # scratch, whatever was in it
         for _ in range(worlds):
-            compiled(colour_manifolds)(self.active, m, kinds, manifolds, used, sizes, starts)
+            self.active[:m, 3] = OPEN if ways is None else ways
+            compiled(colour_manifolds)(self.active, m, kinds, used, sizes, starts)
         self.blocks = int(compiled(count_blocks)(sizes))
         self.index = np.full((4 * self.blocks + 1, LANES), -7, np.int32)
         compiled(empty_blocks)(sizes, starts, self.index, self.blocks)

@@ -14,8 +14,8 @@ from numba.extending import lower_builtin, type_callable
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 
-LINE = 16
-"""Numbers that come at once, in single precision; in double precision every second line is left to chance."""
+SINGLE, DOUBLE = 16, 8
+"""Numbers that come at once, by their precision. Manifolds in double precision are asked for by halves."""
 SOON = 10
 """Turns of a loop over pairs."""
 
@@ -43,9 +43,9 @@ def _lower_ask_for(context, builder, sig, args):
 
 
 @jit
-def ask_for_row(rows, i, width):
-    """The first ``width`` columns of row i. ``width`` is a constant."""
-    for k in range(0, width, LINE):
+def ask_for_row(rows, i, width, line):
+    """The first ``width`` columns of row i; ``line`` numbers come at once."""
+    for k in range(0, width, line):
         ask_for(rows, i, k)
     ask_for(rows, i, width - 1)
 
@@ -55,4 +55,13 @@ def ask_for_block(index, i, count, rows, width):
     """The rows of the manifolds of block i, if there is one."""
     if i < count:
         for lane in range(LANES):
-            ask_for_row(rows, index[i + 2 * count, lane], width)
+            ask_for_row(rows, index[i + 2 * count, lane], width, SINGLE)
+
+
+@jit
+def ask_for_bodies(index, i, count, rows, k):
+    """Column k of the rows of both bodies of the manifolds of block i, if there is one."""
+    if i < count:
+        for lane in range(LANES):
+            ask_for(rows, index[i, lane], k)
+            ask_for(rows, index[i + count, lane], k)

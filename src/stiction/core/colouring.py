@@ -23,10 +23,10 @@ under one; carry none."""
 
 
 @jit
-def colour_manifolds(active, m, kinds, manifolds, used, sizes, starts):
-    """Give each of the m active manifolds (rows: a, b, slot, place) its colour, and count it in ``sizes``
-    (COLOURS + 1,), and with what it did in ``starts`` (WAYS x (COLOURS + 1),). ``used`` (n,) int64 is scratch; the
-    place is WAYS x colour + what it did.
+def colour_manifolds(active, m, kinds, used, sizes, starts):
+    """Give each of the m active manifolds (rows: a, b, slot, what it did) its colour, and count it in ``sizes``
+    (COLOURS + 1,), and with what it did in ``starts`` (WAYS x (COLOURS + 1),). ``used`` (n,) int64 is scratch. The
+    last column becomes its place: WAYS x colour + what it did.
 
     Colours in use come first: whoever has one has neighbours with all lower ones.
     """
@@ -43,7 +43,7 @@ def colour_manifolds(active, m, kinds, manifolds, used, sizes, starts):
             used[a] |= 1 << c
             used[b] |= 1 << c
         # what has no colour shares bodies, and keeps its order
-        place = WAYS * c + (way_of(manifolds, active[k, 2] + 1) if c < COLOURS else 0)
+        place = WAYS * c + (active[k, 3] if c < COLOURS else 0)
         active[k, 3] = place
         starts[place] += 1
         sizes[c] += 1

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.ahead import SOON, ask_for, ask_for_row
+from stiction.core.ahead import SINGLE, SOON, ask_for, ask_for_row
 from stiction.core.integrate import keep_body
 from stiction.core.jit import jit
 from stiction.core.soft_bodies import (
@@ -60,7 +60,7 @@ def list_touching(kinds, manifolds, meta, pose, active, count, touched, mark, gl
     touching = 0
     for k in range(count):
         ahead = active[min(k + SOON, count - 1), 2] + 1
-        ask_for_row(manifolds, ahead, s.MANIFOLD_WIDTH)
+        ask_for_row(manifolds, ahead, s.MANIFOLD_WIDTH, SINGLE)
         ask_for(meta, ahead, s.POINTS)
         row = active[k, 2] + 1
         load = manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1] + manifolds[row, s.LOAD + 2]

@@ -245,10 +245,8 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, rolls, l
         if notes[j, ROLE] == WAITS:
             substeps, fresh = notes[j, SUBSTEPS], notes[j, FRESH]
             active = desk.active[notes[j, FROM] :]
-            here, kinds_here = soft_at(book, first + j, notes[j, PLACE], one), rows_of(book, first + j).kinds
-            colour_manifolds(
-                active, notes[j, ACTIVE], kinds_here, here.manifolds, desk.lists[USED], sizes, starts
-            )  # fmt: skip
+            kinds_here = rows_of(book, first + j).kinds
+            colour_manifolds(active, notes[j, ACTIVE], kinds_here, desk.lists[USED], sizes, starts)
     if substeps == 0:
         return
     blocks = count_blocks(sizes)
