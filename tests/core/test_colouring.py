@@ -10,6 +10,10 @@ import pytest
 from stiction.core import state
 from stiction.core.colouring import (
     COLOURS,
+    OPEN,
+    SLIDES,
+    STICKS,
+    WAYS,
     colour_manifolds,
     count_blocks,
     empty_blocks,
@@ -27,28 +31,28 @@ Pairs = list[tuple[int, int]]
 
 
 class Coloured:
-    """What the two kernels make of pairs of bodies."""
+    """What the two kernels make of pairs of bodies, whose manifolds carry nothing unless ``ways`` says otherwise."""
 
-    def __init__(self, pairs: Pairs, mobility: Any, worlds: int = 1) -> None:
+    def __init__(self, pairs: Pairs, mobility: Any, worlds: int = 1, ways: Any = None) -> None:
         m, n = len(pairs), len(mobility)
         kinds = state.make_bodies(n)[1]
         kinds[:, state.MOBILITY] = mobility
         self.active = np.zeros((max(m, 1), 4), np.int64)
         for k, (a, b) in enumerate(pairs):
             self.active[k, :3] = a, b, 100 + k
-        sizes, starts = np.zeros(COLOURS + 1, np.int64), np.full(COLOURS + 1, -7)
-        sizes[:2], sizes[COLOURS] = 5, 5  # of the step before
-        compiled(forget_colours)(sizes)
+        sizes, starts = np.full(COLOURS + 1, 5), np.full(WAYS * (COLOURS + 1), -7)  # of the step before
+        compiled(forget_colours)(sizes, starts)
         used = np.full(n, -7)  # scratch, whatever was in it
         for _ in range(worlds):
-            compiled(colour_manifolds)(self.active, m, kinds, used, sizes)
+            self.active[:m, 3] = OPEN if ways is None else ways
+            compiled(colour_manifolds)(self.active, m, kinds, used, sizes, starts)
         self.blocks = int(compiled(count_blocks)(sizes))
         self.index = np.full((4 * self.blocks + 1, LANES), -7, np.int32)
         compiled(empty_blocks)(sizes, starts, self.index, self.blocks)
         for world in range(worlds):
             compiled(fill_blocks)(self.active, m, starts, self.index, self.blocks, world, n + 1, PLACES)
         assert (self.index[4 * self.blocks :] == -7).all()
-        self.colours: Array = self.active[:m, 3]
+        self.colours: Array = self.active[:m, 3] // WAYS
         self.sizes = sizes
 
     def rows(self) -> list[list[tuple[int, int, int]]]:
@@ -158,3 +162,23 @@ def test_worlds_side_by_side_share_blocks_and_keep_their_order(rng: np.random.Ge
     assert of_world == [alone] * worlds
     bodies = [{a for a, _, _ in block} | {b for _, b, _ in block} for block in all_of_them.rows()]
     assert all(len(both) == 2 * len(block) for both, block in zip(bodies, all_of_them.rows(), strict=True))
+
+
+@pytest.mark.parametrize("worlds", [1, 3])
+def test_what_does_the_same_lies_together_in_its_colour(rng: np.random.Generator, worlds: int) -> None:
+    n, m = 300, 900
+    pairs, mobility, ways = random_pairs(rng, n, m), random_mobility(rng, n), rng.integers(WAYS, size=m)
+    plain, found = Coloured(pairs, mobility, worlds), Coloured(pairs, mobility, worlds, ways)
+    assert (found.colours == plain.colours).all()
+    assert found.blocks == plain.blocks
+    slots = [((slot - 101) % PLACES, (slot - 101) // PLACES) for row in found.rows() for *_, slot in row]
+    order = [(int(found.colours[k]), int(ways[k]), world, k) for k, world in slots]
+    assert len(order) == worlds * m
+    assert order == sorted(order)
+    assert {way for _, way, _, _ in order} == {SLIDES, STICKS, OPEN}
+
+
+def test_what_has_no_colour_keeps_its_order(rng: np.random.Generator) -> None:
+    m = COLOURS + 50
+    found = Coloured([(0, k) for k in range(1, m + 1)], [state.DYNAMIC] * (m + 1), 1, rng.integers(WAYS, size=m))
+    assert [slot for row in found.rows() for *_, slot in row] == [101 + k for k in range(m)]

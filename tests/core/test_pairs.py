@@ -79,7 +79,7 @@ class Scene:
 
 def rows(array: Any, count: int) -> list[tuple[int, int, int]]:
     """The first rows as tuples."""
-    return [(int(a), int(b), int(slot)) for a, b, slot in array[:count]]
+    return [(int(a), int(b), int(slot)) for a, b, slot in array[:count, : p.DUE]]
 
 
 def meet(scene: Scene, a: int, b: int) -> bool:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.ahead import DOUBLE, SINGLE, SOON, ask_for, ask_for_row
 from stiction.core.collide.manifold import forget_face
 from stiction.core.collide.narrow import pair_contacts
+from stiction.core.colouring import way_of
 from stiction.core.jit import jit
 from stiction.core.manifolds import (
+    due_of,
     hint_of,
+    is_due,
     is_kept,
     look_of,
     margin_of,
@@ -15,14 +19,15 @@ from stiction.core.manifolds import (
     see_nothing,
     take_points,
 )
-from stiction.core.pairs import PAIR_A, PAIR_B, SLOT, is_sensed
+from stiction.core.pairs import DUE, PAIR_A, PAIR_B, SLOT, is_sensed
 from stiction.core.sleep import wake_island
-from stiction.core.state import ASLEEP, DYNAMIC, MOBILITY, NORMAL, SEPARATION
+from stiction.core.state import ASLEEP, DYNAMIC, MOBILITY, NORMAL, POSITION, SEPARATION, SIZE
 from stiction.core.team import take_piece
 from stiction.core.vec import vec3
 
 HAS_POINTS = 3
-"""Column of the active manifolds in which those of all pairs say whether they have any; later it is their colour."""
+"""Column of the active manifolds in which those of all pairs say whether they have any: 0, or 1 more than what they did
+(``colouring.way_of``). Later it is their place in the blocks."""
 
 
 @jit
@@ -47,6 +52,17 @@ def update_manifolds(
         for k in range(first, last):
             a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
             active[k, HAS_POINTS] = 0
+            ahead = min(k + SOON, last - 1)
+            ask_for(pose, pairs[ahead, PAIR_B] + 1, s.POSE_MOTION)
+            if pairs[ahead, DUE] == 0:
+                ask_for_row(meta, pairs[ahead, SLOT] + 1, s.META_WIDTH, DOUBLE)
+                ask_for_row(manifolds, pairs[ahead, SLOT] + 1, s.MANIFOLD_WIDTH, SINGLE)
+                ask_for_row(reports, pairs[ahead, SLOT] + 1, s.REPORT_WIDTH, SINGLE)
+                ask_for(pose, pairs[ahead, PAIR_B] + 1, s.POSE_ROTATION)
+                ask_for(bodies, pairs[ahead, PAIR_B], POSITION)
+                ask_for(bodies, pairs[ahead, PAIR_B], SIZE)
+            if not is_due(pose, a, b, pairs[k, DUE]):
+                continue
             if not (is_awake(kinds, a) or is_awake(kinds, b)) or is_sensed(kinds, a, b):
                 continue
             if not is_kept(kinds, a, b, pose, meta, row):
@@ -67,7 +83,8 @@ def update_manifolds(
                     take_points(bodies, kinds, a, b, soft, row, contacts, tags, found, points, table, slow)
             if meta[row, s.POINTS] > 0.0:
                 refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, dt)
-                active[k, HAS_POINTS] = 1
+                active[k, HAS_POINTS] = 1 + way_of(manifolds, row)
+            pairs[k, DUE] = due_of(pose, kinds, a, b, meta, row)
         piece += 1
         first, last = take_piece(team, piece, npairs)
 
@@ -85,6 +102,7 @@ def list_manifolds(bodies, kinds, n, pairs, npairs, active):
             if kinds[a, ASLEEP] or kinds[b, ASLEEP]:
                 wake_island(bodies, kinds, n, a if kinds[a, ASLEEP] else b)
                 woke = True
-            active[count, 0], active[count, 1], active[count, 2] = a, b, pairs[k, SLOT]
+            way = active[k, HAS_POINTS] - 1
+            active[count, 0], active[count, 1], active[count, 2], active[count, 3] = a, b, pairs[k, SLOT], way
             count += 1
     return count, woke

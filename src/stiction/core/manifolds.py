@@ -60,6 +60,8 @@ SAME_PLACE = 0.1
 EDITED_MOTION, FARTHEST = 1.0, 0.9
 """m, by which a body counts as moved that was changed from outside; a pair is looked at again after less, however far
 apart it is."""
+NANO, FARTHEST_DUE = 1e9, 9e9
+"""Nanometres in a metre; m, what has moved farther is looked at in every step."""
 FORGOTTEN = 0.5
 """Of the smaller body's reach: after so much motion the last direction of a pair is no hint any more."""
 NOWHERE = 1e3
@@ -108,6 +110,26 @@ def is_kept(kinds, a, b, pose, meta, row):
     if meta[row, s.POINTS] > 0.0:
         return moved <= meta[row, s.LIMIT]
     return meta[row, s.AHEAD] - moved >= margin_of(pose, kinds, a, b)
+
+
+@jit
+def due_of(pose, kinds, a, b, meta, row):
+    """Until the bodies of a pair without points have moved so far, together with how far they can come in a step, in
+    nanometres, :func:`is_kept` holds: a number for the list of pairs, which is read in its order, while the rows of
+    manifolds lie about in memory. 0 of a pair that has points."""
+    if meta[row, s.POINTS] > 0.0:
+        return 0
+    far = meta[row, s.SEEN] + meta[row, s.AHEAD] - margin_of(pose, kinds, a, b)
+    far += pose[a + 1, s.POSE_MARGIN] + pose[b + 1, s.POSE_MARGIN]
+    return int(min(max(far, 0.0), FARTHEST_DUE) * NANO)
+
+
+@jit
+def is_due(pose, a, b, due):
+    """Whether the manifold of a pair has to be looked at."""
+    far = pose[a + 1, s.POSE_MOTION] + pose[a + 1, s.POSE_MARGIN]
+    far += pose[b + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MARGIN]
+    return not far * NANO < due
 
 
 @jit

@@ -45,8 +45,9 @@ AHEAD = 3.0
 LOOSE = 3.0
 """A fat box with so many times the room that a new one would have is replaced: the body was fast and has slowed."""
 
-PAIR_A, PAIR_B, SLOT, PAIR_WIDTH = range(4)
-"""Columns of a list of pairs: the bodies, lower one first, and the row in which what belongs to the pair is kept."""
+PAIR_A, PAIR_B, SLOT, DUE, PAIR_WIDTH = range(5)
+"""Columns of a list of pairs: the bodies, lower one first; the row in which what belongs to the pair is kept; and how
+far its bodies may have moved until that row has to be looked at, 0 of a pair that is new (``manifolds.due_of``)."""
 
 PAIRS, BEGUN, ENDED, SLOTS, FREE, TOUCHED, MOVED, PLANES, COUNTS_WIDTH = range(9)
 """Entries of a cache's counts: rows in use of pairs, begun and ended; slots ever handed out; free slots; bodies to be
@@ -350,7 +351,8 @@ def _sort(rows, n):
 
 @jit
 def _copy_row(rows, i, others, j):
-    rows[i, PAIR_A], rows[i, PAIR_B], rows[i, SLOT] = others[j, PAIR_A], others[j, PAIR_B], others[j, SLOT]
+    for c in range(PAIR_WIDTH):
+        rows[i, c] = others[j, c]
 
 
 @jit
@@ -385,6 +387,7 @@ def _put_in(cache, new):
         else:
             begun[k, SLOT] = counts[SLOTS]
             counts[SLOTS] += 1
+        begun[k, DUE] = 0
     old, to = counts[PAIRS] - 1, counts[PAIRS] + new - 1
     left = new - 1
     while left >= 0:

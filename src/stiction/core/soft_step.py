@@ -240,13 +240,14 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, te
 
     # blocks
     sizes, starts = desk.sizes[: COLOURS + 1], desk.sizes[COLOURS + 1 :]
-    forget_colours(sizes)
+    forget_colours(sizes, starts)
     substeps, fresh = 0, NOTHING_NEW
     for j in range(worlds):
         if notes[j, ROLE] == WAITS:
             substeps, fresh = notes[j, SUBSTEPS], notes[j, FRESH]
             active = desk.active[notes[j, FROM] :]
-            colour_manifolds(active, notes[j, ACTIVE], rows_of(book, first + j).kinds, desk.lists[USED], sizes)
+            kinds_here = rows_of(book, first + j).kinds
+            colour_manifolds(active, notes[j, ACTIVE], kinds_here, desk.lists[USED], sizes, starts)
     if substeps == 0:
         return
     blocks = count_blocks(sizes)

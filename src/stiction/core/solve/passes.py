@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from stiction.core import soft_rows as s
+from stiction.core.ahead import ask_for_block, ask_for_bodies
 from stiction.core.clock import lap
 from stiction.core.colouring import COLOURS, count_colours
 from stiction.core.jit import jit
@@ -41,6 +43,9 @@ def run_passes(
     rounds = count_rounds(sizes, team)
     first, last = share(team, worker, 0, count)
     for i in range(first, last):
+        ask_for_bodies(index, i + 1, count, aux, s.AUX_ROTATION)
+        ask_for_bodies(index, i + 1, count, aux, s.AUX_INERTIA)
+        ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH)
         prepare_block(
             i, blocks, index, count, manifolds, soft.corners, aux, h, beta, compliance, beta_stiff, compliance_stiff,
             laws,
@@ -76,6 +81,8 @@ def run_passes(
         for r in range(rounds):
             first, last = blocks_of(sizes, r, count, team, worker)
             for i in range(first, last):
+                ask_for_bodies(index, i + 1, count, rows, s.ROW_V)
+                ask_for_bodies(index, i + 1, count, rows, s.ROW_TURN)
                 solve_block(i, blocks, index, count, rows, h, False, True, rolls, laws, exact)
             meet(team)
         if worker == 0:

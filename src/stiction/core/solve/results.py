@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.ahead import ask_for_block
 from stiction.core.friction.laws import force_in_plane
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
@@ -22,6 +23,8 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
     """
     for i in range(count):
         o = i * s.FIELDS
+        ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH)
+        ask_for_block(index, i + 1, count, reports, s.REPORT_WIDTH)
         for lane in range(LANES):
             row, world = index[i + 2 * count, lane], index[i + 3 * count, lane]
             if row > 0 and not failed[world]:

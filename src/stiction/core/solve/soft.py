@@ -21,6 +21,7 @@ from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, scatter, select, size_of, sqrt, store
 from stiction.core.solve.blocks import get3, get4, get6, put3, put4, surface_at, vectors_of
+from stiction.core.solve.idle import belt_now, stays_open
 from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
 from stiction.core.vec import Vec3, columns, cross, dot, transpose
 
@@ -218,6 +219,8 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
         allowed(gap.a, beta, h), allowed(gap.b, beta, h), allowed(gap.c, beta, h), allowed(gap.d, beta, h)
     )  # fmt: skip
     near = lowest(gap) < NEAR
+    if exact is None and laws is None and stays_open(blocks, o, v, w, x, y, aim, near, h, cold, counts, rolls):
+        return
 
     Kvv, Kww = get6(blocks, o + s.B_KVV), get6(blocks, o + s.B_KWW)
     k1, k2, k3 = get3(blocks, o + s.B_KWV), get3(blocks, o + s.B_KWV + 3), get3(blocks, o + s.B_KWV + 6)
@@ -228,9 +231,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
     if exact is None:
         mu_d = dynamic_now(blocks, o, mu_d)
     rigid, left0 = load(blocks, o + s.B_RIGID), load(blocks, o + s.B_LEFT)
-    belt = get3(blocks, o + s.B_BELT)
-    drift = Vec3(load(blocks, o + s.B_DRIFT) * h, load(blocks, o + s.B_DRIFT + 1) * h, belt.z)
-    belt = belt + drift
+    belt = belt_now(blocks, o, h)
     lam0, pull0 = get4(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL)
     roll_u0, roll_v0 = load(blocks, o + s.B_ROLL), load(blocks, o + s.B_ROLL + 1)
     lam, pull, roll_u, roll_v, left = lam0, pull0, roll_u0, roll_v0, left0
@@ -336,11 +337,15 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
             if exact is None and not cold:
                 sliding = sliding | ~inside
             limit = select(sliding, mu_d, mu_s * (GRACE if exact is None else 1.0)) * N
-            unit = unit_of(limit, stick)
-            # the problem divided by the limit: A = F, so numbers stay near one whatever the masses
-            g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, ~inside)
             # without a load there is no friction, and no g
-            stick = choose3(inside, stick, choose3(limit > 0.0, g * limit, pull - pull))
+            slides = ~inside & (limit > 0.0)
+            free = choose3(inside, stick, pull - pull)
+            if any_of(slides):
+                unit = unit_of(limit, stick)
+                # the problem divided by the limit: A = F, so numbers stay near one whatever the masses
+                g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, slides)
+                free = choose3(slides, g * limit, free)
+            stick = free
         if cold or sweep > 0:
             stick = choose3(going, stick, pull)
         df = real_force(blocks, o, stick - pull, laws)
