@@ -1,4 +1,4 @@
-"""What is left out because nothing would come of it: pairs that are not due, and passes over manifolds that are open."""
+"""What is left out as nothing would come of it: pairs that are not due, and passes over manifolds that are open."""
 
 from __future__ import annotations
 

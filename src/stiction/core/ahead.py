@@ -18,6 +18,8 @@ SINGLE, DOUBLE = 16, 8
 """Numbers that come at once, by their precision. Manifolds in double precision are asked for by halves."""
 SOON = 10
 """Turns of a loop over pairs."""
+MANY = 2048
+"""Rows of so many manifolds do not fit into the nearest caches; with fewer, questions take longer than the answers."""
 
 
 def ask_for(rows, i, k):
@@ -52,16 +54,16 @@ def ask_for_row(rows, i, width, line):
 
 @jit
 def ask_for_block(index, i, count, rows, width):
-    """The rows of the manifolds of block i, if there is one."""
-    if i < count:
+    """The rows of the manifolds of block i, if there is one, of ``count``."""
+    if i < count and count * LANES > MANY:
         for lane in range(LANES):
             ask_for_row(rows, index[i + 2 * count, lane], width, SINGLE)
 
 
 @jit
 def ask_for_bodies(index, i, count, rows, k):
-    """Column k of the rows of both bodies of the manifolds of block i, if there is one."""
-    if i < count:
+    """Column k of the rows of both bodies of the manifolds of block i, if there is one, of ``count``."""
+    if i < count and count * LANES > MANY:
         for lane in range(LANES):
             ask_for(rows, index[i, lane], k)
             ask_for(rows, index[i + count, lane], k)

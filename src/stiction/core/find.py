@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.ahead import DOUBLE, SINGLE, SOON, ask_for, ask_for_row
+from stiction.core.ahead import DOUBLE, MANY, SINGLE, SOON, ask_for, ask_for_row
 from stiction.core.collide.manifold import forget_face
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import way_of
@@ -53,8 +53,9 @@ def update_manifolds(
             a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
             active[k, HAS_POINTS] = 0
             ahead = min(k + SOON, last - 1)
-            ask_for(pose, pairs[ahead, PAIR_B] + 1, s.POSE_MOTION)
-            if pairs[ahead, DUE] == 0:
+            if npairs > 2 * MANY:
+                ask_for(pose, pairs[ahead, PAIR_B] + 1, s.POSE_MOTION)
+            if npairs > 2 * MANY and pairs[ahead, DUE] == 0:
                 ask_for_row(meta, pairs[ahead, SLOT] + 1, s.META_WIDTH, DOUBLE)
                 ask_for_row(manifolds, pairs[ahead, SLOT] + 1, s.MANIFOLD_WIDTH, SINGLE)
                 ask_for_row(reports, pairs[ahead, SLOT] + 1, s.REPORT_WIDTH, SINGLE)

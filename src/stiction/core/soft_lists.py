@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.ahead import SINGLE, SOON, ask_for, ask_for_row
+from stiction.core.ahead import MANY, SINGLE, SOON, ask_for, ask_for_row
 from stiction.core.integrate import keep_body
 from stiction.core.jit import jit
 from stiction.core.soft_bodies import (
@@ -59,9 +59,10 @@ def list_touching(kinds, manifolds, meta, pose, active, count, touched, mark, gl
     """List the bodies in contact, and decide which of them glide; returns their number."""
     touching = 0
     for k in range(count):
-        ahead = active[min(k + SOON, count - 1), 2] + 1
-        ask_for_row(manifolds, ahead, s.MANIFOLD_WIDTH, SINGLE)
-        ask_for(meta, ahead, s.POINTS)
+        if count > MANY:
+            ahead = active[min(k + SOON, count - 1), 2] + 1
+            ask_for_row(manifolds, ahead, s.MANIFOLD_WIDTH, SINGLE)
+            ask_for(meta, ahead, s.POINTS)
         row = active[k, 2] + 1
         load = manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1] + manifolds[row, s.LOAD + 2]
         counts = load + manifolds[row, s.LOAD + 3] > 0.0
@@ -126,7 +127,8 @@ def new_ones(manifolds, active, count):
     """Which of the active manifolds are new in this step: none, some that move, or only quiet ones."""
     new = NOTHING_NEW
     for k in range(count):
-        ask_for(manifolds, active[min(k + SOON, count - 1), 2] + 1, s.FRESH)
+        if count > MANY:
+            ask_for(manifolds, active[min(k + SOON, count - 1), 2] + 1, s.FRESH)
         fresh = manifolds[active[k, 2] + 1, s.FRESH]
         if fresh == s.QUIET:
             new = QUIET_NEW

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.jit import jit
-from stiction.core.lanes import all_of, load, size_of, store
+from stiction.core.lanes import all_of, any_of, load, size_of, store
 from stiction.core.solve.blocks import get3, get4, put3
 from stiction.core.vec import Vec3
 
@@ -28,12 +28,13 @@ def stays_open(blocks, o, v, w, x, y, aim, near, h, cold, counts, rolls):
     Points that are not near and close more slowly than ``aim`` carry nothing; without a load nothing can stick, and
     what slides and owes nothing goes on so. ``v`` and ``w`` as from :func:`twist_of`.
     """
+    if any_of(near):
+        return False
     lam, pull = get4(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL)
     force = lam.a + lam.b + lam.c + lam.d + size_of(pull.x) + size_of(pull.y) + size_of(pull.z)
     if rolls is not None:
         force = force + size_of(load(blocks, o + s.B_ROLL)) + size_of(load(blocks, o + s.B_ROLL + 1))
-    idle = (force <= 0.0) & ~near
-    if not all_of(idle):
+    if not all_of(force <= 0.0):
         return False
     idle = (v.x + y.a * w.y - x.a * w.z <= aim.a) & (v.x + y.b * w.y - x.b * w.z <= aim.b)
     idle = idle & (v.x + y.c * w.y - x.c * w.z <= aim.c) & (v.x + y.d * w.y - x.d * w.z <= aim.d)
