@@ -110,17 +110,13 @@ class ObliqueImpact(Case):
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
         """Without gravity, against a wall that lies askew; at four multiples of the limit, with and without spin."""
         e, mu, vn, r = self.RESTITUTION, self.MU, self.SPEED, self.RADIUS
-        q = product(about((1, 2, 0), 0.7), about((0, 0, 1), 0.3))
-        t1, t2, n = matrix(q).T
+        t1, t2, n = _askew()
         limit = mu * (1.0 + e) * vn * (1.0 + K) / K
         for share, spin in ((0.5, 0.0), (0.99, 4.0), (1.01, -4.0), (2.0, 4.0)):
             world = make_world(solver, dt, static=mu, restitution=e, gravity=WEIGHTLESS)
-            world.add(st.Plane(n), static=True)
             w = spin * (0.6 * t1 + 0.8 * t2)
             u = share * limit * (0.8 * t1 - 0.6 * t2)
-            vt = u - np.cross(w, -r * n)
-            ball = world.add(st.Sphere(r), position=r * n, velocity=vt - vn * n, angular_velocity=w)
-            world.step()
+            ball, vt = _hit_the_wall(world, r, u, vn, w)
             if share < 1.0:
                 change = -u * K / (1.0 + K)
             else:
@@ -134,6 +130,21 @@ class ObliqueImpact(Case):
             # the tangential impulse m * change acts at -r n: I (w' - w) = -r n x m change
             spun = w + np.cross(-n, change) / (K * r)
             yield Measurement(f"surface speed r w, {what}", *_along(r * ball.angular_velocity, r * spun), slack, "m/s")
+
+
+def _askew() -> Array:
+    """Two directions along a wall that lies askew, and its normal."""
+    return matrix(product(about((1, 2, 0), 0.7), about((0, 0, 1), 0.3))).T
+
+
+def _hit_the_wall(world: st.World, r: float, u: Array, vn: float, w: Array) -> tuple[st.Body, Array]:
+    """A ball hits that wall with the slip ``u`` and the spin ``w``: the ball, and how fast it went along the wall."""
+    n = _askew()[2]
+    world.add(st.Plane(n), static=True)
+    vt = u - np.cross(w, -r * n)
+    ball = world.add(st.Sphere(r), position=r * n, velocity=vt - vn * n, angular_velocity=w)
+    world.step()
+    return ball, vt
 
 
 def _along(measured: Array, expected: Array) -> tuple[float, float]:
@@ -169,19 +180,16 @@ class Superball(Case):
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:
         """Against a wall that lies askew, on both sides of friction's limit; then between floor and table."""
         mu, vn, r, eps = self.MU, self.SPEED, self.RADIUS, 2.0 * solver_tolerance(solver)
-        t1, t2, n = matrix(product(about((1, 2, 0), 0.7), about((0, 0, 1), 0.3))).T
+        t1, t2, n = _askew()
         for e, back in ((1.0, 1.0), (0.8, 0.5)):
             limit = mu * (1.0 + e) * vn * (1.0 + K) / (K * (1.0 + back))
             for share in (0.5, 0.99, 1.01, 2.0):
                 world = make_world(
                     solver, dt, static=mu, restitution=e, tangential_restitution=back, gravity=WEIGHTLESS
                 )
-                world.add(st.Plane(n), static=True)
                 w = 40.0 * (0.6 * t1 + 0.8 * t2)
                 u = share * limit * (0.8 * t1 - 0.6 * t2)
-                vt = u - np.cross(w, -r * n)
-                ball = world.add(st.Sphere(r), position=r * n, velocity=vt - vn * n, angular_velocity=w)
-                world.step()
+                ball, vt = _hit_the_wall(world, r, u, vn, w)
                 change = -min(1.0, 1.0 / share) * (1.0 + back) * K / (1.0 + K) * u
                 what = f"e_t {back:g}, |u| = {share:g} of the limit"
                 v, spun = ball.velocity, r * (w + np.cross(-n, change) / (K * r))
