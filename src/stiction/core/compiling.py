@@ -17,6 +17,7 @@ from __future__ import annotations
 import gc
 from typing import Any
 
+from llvmlite.binding import Linkage
 from numba.core import event, typed_passes, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
@@ -99,6 +100,10 @@ class EntryLibrary(JITCodeLibrary):
             self._final_module.link_in(_module_of(library), preserve=True)
             self._reload_init.update(library._reload_init)
         self._linking_libraries = []
+        for function in self._final_module.functions:
+            if function.linkage == Linkage.linkonce_odr:
+                # nobody else calls it: of an array it is given the fields that it reads, and not all seven
+                function.linkage = Linkage.internal
         super().finalize()
 
 
