@@ -10,8 +10,13 @@ import pytest
 from stiction.core import state
 from stiction.core.colouring import (
     COLOURS,
+    FACE,
+    GROUPS,
+    MEMBERS,
     OPEN,
+    POINT,
     SLIDES,
+    SORTS,
     STICKS,
     WAYS,
     colour_manifolds,
@@ -31,28 +36,30 @@ Pairs = list[tuple[int, int]]
 
 
 class Coloured:
-    """What the two kernels make of pairs of bodies, whose manifolds carry nothing unless ``ways`` says otherwise."""
+    """What the two kernels make of pairs of bodies, whose manifolds are faces that carry nothing unless ``ways`` says
+    otherwise."""
 
-    def __init__(self, pairs: Pairs, mobility: Any, worlds: int = 1, ways: Any = None) -> None:
+    def __init__(self, pairs: Pairs, mobility: Any, worlds: int = 1, ways: Any = None, points: bool = True) -> None:
         m, n = len(pairs), len(mobility)
         kinds = state.make_bodies(n)[1]
         kinds[:, state.MOBILITY] = mobility
         self.active = np.zeros((max(m, 1), 4), np.int64)
         for k, (a, b) in enumerate(pairs):
             self.active[k, :3] = a, b, 100 + k
-        sizes, starts = np.full(COLOURS + 1, 5), np.full(WAYS * (COLOURS + 1), -7)  # of the step before
+        sizes, starts = np.full(GROUPS, 5), np.full(WAYS * GROUPS, -7)  # of the step before
         compiled(forget_colours)(sizes, starts)
         used = np.full(n, -7)  # scratch, whatever was in it
         for _ in range(worlds):
             self.active[:m, 3] = OPEN if ways is None else ways
-            compiled(colour_manifolds)(self.active, m, kinds, used, sizes, starts)
+            compiled(colour_manifolds)(self.active, m, kinds, used, sizes, starts, points)
         self.blocks = int(compiled(count_blocks)(sizes))
-        self.index = np.full((4 * self.blocks + 1, LANES), -7, np.int32)
+        self.index = np.full((MEMBERS * self.blocks + 1, LANES), -7, np.int32)
         compiled(empty_blocks)(sizes, starts, self.index, self.blocks)
         for world in range(worlds):
             compiled(fill_blocks)(self.active, m, starts, self.index, self.blocks, world, n + 1, PLACES)
-        assert (self.index[4 * self.blocks :] == -7).all()
-        self.colours: Array = self.active[:m, 3] // WAYS
+        assert (self.index[MEMBERS * self.blocks :] == -7).all()
+        self.sorts: list[int] = self.index[4 * self.blocks : MEMBERS * self.blocks, 0].tolist()
+        self.colours: Array = self.active[:m, 3] // (WAYS * SORTS)
         self.sizes = sizes
 
     def rows(self) -> list[list[tuple[int, int, int]]]:
@@ -106,7 +113,9 @@ def test_a_manifold_gets_the_lowest_colour_that_its_bodies_do_not_have(rng: np.r
         assert colour == min(set(range(COLOURS + 1)) - forbidden)
         for i in bodies:
             taken[i].add(colour)
-    np.testing.assert_array_equal(found.sizes, np.bincount(found.colours, minlength=COLOURS + 1))
+    wanted = np.zeros(GROUPS, int)
+    wanted[::SORTS] = np.bincount(found.colours, minlength=COLOURS + 1)
+    np.testing.assert_array_equal(found.sizes, wanted)
 
 
 def test_manifolds_elsewhere_change_no_colour(rng: np.random.Generator) -> None:
@@ -178,7 +187,33 @@ def test_what_does_the_same_lies_together_in_its_colour(rng: np.random.Generator
     assert {way for _, way, _, _ in order} == {SLIDES, STICKS, OPEN}
 
 
+@pytest.mark.parametrize("worlds", [1, 3])
+def test_points_are_in_blocks_of_their_own(rng: np.random.Generator, worlds: int) -> None:
+    """And what does the same lies together among them; unless all are to be solved as faces."""
+    n, m = 300, 900
+    pairs, mobility = random_pairs(rng, n, m), random_mobility(rng, n)
+    ways = rng.integers(SORTS * WAYS, size=m)
+    plain, found = Coloured(pairs, mobility, worlds), Coloured(pairs, mobility, worlds, ways)
+    assert (found.colours == plain.colours).all()
+    order = []
+    for sort, row in zip(found.sorts, found.rows(), strict=True):
+        members = [((slot - 101) % PLACES, (slot - 101) // PLACES) for *_, slot in row]
+        assert {int(ways[k]) // WAYS for k, _ in members} == {sort}
+        order += [(int(found.colours[k]), int(ways[k]), world, k) for k, world in members]
+    assert len(order) == worlds * m
+    assert order == sorted(order)
+    faces = Coloured(pairs, mobility, worlds, ways, points=False)
+    assert set(faces.sorts) == {FACE}
+    assert faces.blocks == plain.blocks
+
+
 def test_what_has_no_colour_keeps_its_order(rng: np.random.Generator) -> None:
     m = COLOURS + 50
-    found = Coloured([(0, k) for k in range(1, m + 1)], [state.DYNAMIC] * (m + 1), 1, rng.integers(WAYS, size=m))
+    pairs, mobility, ways = [(0, k) for k in range(1, m + 1)], [state.DYNAMIC] * (m + 1), rng.integers(WAYS, size=m)
+    found = Coloured(pairs, mobility, 1, ways)
     assert [slot for row in found.rows() for *_, slot in row] == [101 + k for k in range(m)]
+    sorts = rng.integers(SORTS, size=m)
+    found = Coloured(pairs, mobility, 1, WAYS * sorts + ways)
+    assert [slot for row in found.rows() for *_, slot in row] == [101 + k for k in range(m)]
+    assert found.sorts == sorts.tolist()
+    assert POINT in found.sorts[COLOURS:]

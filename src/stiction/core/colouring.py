@@ -4,8 +4,9 @@ Manifolds of one colour share no body that can move, so the eight lanes of a blo
 manifold gets the lowest colour that neither of its bodies has yet, in the order of the sorted pairs: what it gets is a
 function of its own neighbourhood, and bodies elsewhere change nothing (Catto's Box2D v3 colours alike).
 
-Within a colour the order is free, for a lane asks nothing of the others. So manifolds that want the same work lie
-together: a block in which nothing slides, or nothing carries a load, leaves out what only others would need.
+Within a colour the order is free, for a lane asks nothing of the others. So points and faces, which are solved
+differently, are in blocks of their own; and manifolds that want the same work lie together: a block in which nothing
+slides, or nothing carries a load, leaves out what only others would need.
 """
 
 from __future__ import annotations
@@ -17,16 +18,23 @@ from stiction.core.state import DYNAMIC, MOBILITY
 
 COLOURS = 63
 """A body with more contacts than this has the rest in blocks of their own, one manifold each."""
+FACE, POINT, SORTS = range(3)
+"""What a manifold is: a face that resists turning, or a single point without any such resistance."""
 SLIDES, STICKS, OPEN, WAYS = range(4)
 """What a manifold did in the step before, in the order in which they lie within a colour: slide under a load; stick
 under one; carry none."""
+GROUPS = SORTS * COLOURS + 1
+"""Manifolds of a colour and a sort; the last group are those that have no colour."""
+MEMBERS = 5
+"""Rows of ``index`` a block, each ``count`` behind the other: of bodies a and b, of the manifold, the world, and in the
+first lane the sort."""
 
 
 @jit
-def colour_manifolds(active, m, kinds, used, sizes, starts):
-    """Give each of the m active manifolds (rows: a, b, slot, what it did) its colour, and count it in ``sizes``
-    (COLOURS + 1,), and with what it did in ``starts`` (WAYS x (COLOURS + 1),). ``used`` (n,) int64 is scratch. The
-    last column becomes its place: WAYS x colour + what it did.
+def colour_manifolds(active, m, kinds, used, sizes, starts, points):
+    """Give each of the m active manifolds (rows: a, b, slot, what it is and did) its colour, and count its group in
+    ``sizes`` (GROUPS,), and with what it did in ``starts`` (WAYS x GROUPS,). ``used`` (n,) int64 is scratch. The last
+    column becomes its place: WAYS x group + what it did. Unless there are ``points``, all are solved as faces.
 
     Colours in use come first: whoever has one has neighbours with all lower ones.
     """
@@ -42,28 +50,35 @@ def colour_manifolds(active, m, kinds, used, sizes, starts):
         if c < COLOURS:
             used[a] |= 1 << c
             used[b] |= 1 << c
-        # what has no colour shares bodies, and keeps its order
-        place = WAYS * c + (active[k, 3] if c < COLOURS else 0)
-        active[k, 3] = place
+        what = active[k, 3] if points else active[k, 3] % WAYS
+        place = WAYS * SORTS * c + what
+        if c == COLOURS:
+            # what has no colour shares bodies, and keeps its order
+            place = WAYS * SORTS * COLOURS
+            active[k, 3] = place + what // WAYS
+        else:
+            active[k, 3] = place
         starts[place] += 1
-        sizes[c] += 1
+        sizes[place // WAYS] += 1
 
 
 @jit
 def way_of(manifolds, row):
-    """What a manifold did in the step before."""
+    """What a manifold is and did in the step before: WAYS x sort + way."""
     load = manifolds[row, s.LOAD] + manifolds[row, s.LOAD + 1] + manifolds[row, s.LOAD + 2]
+    way = OPEN
     if load + manifolds[row, s.LOAD + 3] > 0.0:
-        return SLIDES if manifolds[row, s.STATE] == s.SLIDING else STICKS
-    return OPEN
+        way = SLIDES if manifolds[row, s.STATE] == s.SLIDING else STICKS
+    turns = manifolds[row, s.TORSIONAL] + manifolds[row, s.ROLLING] == 0.0
+    return WAYS * (POINT if manifolds[row, s.COUNT] == 1.0 and turns else FACE) + way
 
 
 @jit
 def forget_colours(sizes, starts):
     """Count no manifold."""
-    for c in range(COLOURS + 1):
-        sizes[c] = 0
-    for place in range(WAYS * (COLOURS + 1)):
+    for group in range(GROUPS):
+        sizes[group] = 0
+    for place in range(WAYS * GROUPS):
         starts[place] = 0
 
 
@@ -71,38 +86,48 @@ def forget_colours(sizes, starts):
 def count_colours(sizes):
     """How many colours are in use."""
     colours = 0
-    while colours < COLOURS and sizes[colours] > 0:
+    while colours < COLOURS and sizes[SORTS * colours + FACE] + sizes[SORTS * colours + POINT] > 0:
         colours += 1
     return colours
 
 
 @jit
+def blocks_of_colour(sizes, c):
+    """How many blocks so many manifolds of a colour fill."""
+    faces, points = sizes[SORTS * c + FACE], sizes[SORTS * c + POINT]
+    return (faces + LANES - 1) // LANES + (points + LANES - 1) // LANES
+
+
+@jit
 def count_blocks(sizes):
-    """How many blocks so many manifolds of each colour fill."""
-    blocks = sizes[COLOURS]
+    """How many blocks so many manifolds of each group fill."""
+    blocks = sizes[GROUPS - 1]
     for c in range(count_colours(sizes)):
-        blocks += (sizes[c] + LANES - 1) // LANES
+        blocks += blocks_of_colour(sizes, c)
     return blocks
 
 
 @jit
 def empty_blocks(sizes, starts, index, count):
-    """``count`` blocks with nobody in them, and where in each colour begins what did the same, instead of how much.
+    """``count`` blocks with nobody in them, and where in each group begins what did the same, instead of how much.
 
     Rows count from 1: row 0 is nobody's, and fills the lanes that are left over.
     """
-    for i in range(4 * count):
+    for i in range(MEMBERS * count):
         for lane in range(LANES):
             index[i, lane] = 0
     place = 0
-    for c in range(count_colours(sizes)):
+    for group in range(SORTS * count_colours(sizes)):
         lane = place
-        for k in range(WAYS * c, WAYS * (c + 1)):
+        for k in range(WAYS * group, WAYS * (group + 1)):
             here = starts[k]
             starts[k] = lane
             lane += here
-        place += (sizes[c] + LANES - 1) // LANES * LANES
-    starts[WAYS * COLOURS] = place
+        blocks = (sizes[group] + LANES - 1) // LANES
+        for i in range(place // LANES, place // LANES + blocks):
+            index[i + 4 * count, 0] = group % SORTS
+        place += blocks * LANES
+    starts[WAYS * (GROUPS - 1)] = place
 
 
 @jit
@@ -111,9 +136,19 @@ def fill_blocks(active, m, starts, index, count, world, bodies, manifolds):
     which lie one after the other, it has so many."""
     for k in range(m):
         place = active[k, 3]
-        i, lane = starts[place] // LANES, starts[place] % LANES
-        starts[place] += 1 if place < WAYS * COLOURS else LANES
+        alone = place >= WAYS * (GROUPS - 1)
+        cursor = WAYS * (GROUPS - 1) if alone else place
+        i, lane = starts[cursor] // LANES, starts[cursor] % LANES
+        starts[cursor] += LANES if alone else 1
         index[i, lane] = world * bodies + active[k, 0] + 1
         index[i + count, lane] = world * bodies + active[k, 1] + 1
         index[i + 2 * count, lane] = world * manifolds + active[k, 2] + 1
         index[i + 3 * count, lane] = world
+        if alone:
+            index[i + 4 * count, 0] = place - cursor
+
+
+@jit
+def is_point_block(index, i, count):
+    """Whether the manifolds of block i, of ``count``, are points."""
+    return index[i + 4 * count, 0] == POINT

@@ -73,45 +73,49 @@ the pair's coefficient of restitution; by how much points lie higher along the n
 # --- blocks: (blocks x FIELDS, 8) -------------------------------------------------------------------------------------
 
 (
+    # what points have too (solve.points), who use no more than the first of four numbers, and two of three
     B_NORMAL, B_TANGENT,  # frame n, u (and v = n x u), world
     B_ARM_A, B_ARM_B,  # anchor from the centres of mass, in the frame
     B_MASS_A, B_MASS_B,  # inverse masses, times the block's mass
     B_INERTIA_A, B_INERTIA_B,  # 6 + 6, inverse inertia in the frame, upper triangle, times the block's mass
-    B_KVV, B_KWV, B_KWW,  # 6 + 9 + 6, the manifold's matrix: velocity and spin by force and torque, in the frame
-    B_U, B_V,  # 4 + 4, places of the points
-    B_GAP,  # 4, separations at the start of the step
-    B_INVERSE,  # 10, inverse of the softened matrix of the normals, upper triangle
-    B_INVERSE_STUCK,  # 10, the same where friction answers by sticking
-    B_SOFT,  # 4, compliance of the normals
+    B_KVV,  # 6, the manifold's matrix: velocity by force, in the frame
     B_BETA,  # push-out rate, 1/s
-    B_FRICTION,  # 6, D K_P D
-    B_FRICTION_INVERSE,  # 6, its inverse
-    B_CENTER,  # 2, centre of pressure in the plane
-    B_TORQUE,  # T_m, torque of pure spinning per mu N, m
-    B_SURFACE,  # 7, coefficients of the limit surface
-    B_TURN,  # 2, cosine and sine of the angle of the frame in that of the manifold
     B_MU_S, B_MU_D,
     B_RIGID,  # 1 / K_nn at the centre of pressure: the load that would stop the closing that is left
     B_LEFT,  # closing speed that the soft contact left at the centre of pressure, m/s
     B_BELT,  # 3, slip that the surfaces have by themselves: u, v, T_m times spin
     B_DRIFT,  # 2, how fast that changes: u, v, m/s^2
-    B_LOAD,  # 4, normal impulses
     B_PULL,  # 3, friction: impulse along u and v, torque impulse about n at the centre of pressure over T_m
     B_STATE, B_OVER,
-    B_TOTAL_LOAD, B_TOTAL_PULL,  # 4 + 3, sums over the step
+    B_TOTAL_PULL,  # 3, sums over the step
     B_SLIP,  # 3, slip at the end of the last substep
     B_WORK,  # what friction has taken in this step, J
     B_FRESH,  # NEW or QUIET for a manifold that is new in this step
     B_SCALE,  # the block's mass, kg: impulses are in units of it times m/s, so numbers are of order one at any scale
-    B_LIFT,  # 4, how much of the separations is not there, m
-    B_ROLLING, B_ROLL, B_ROLLED,  # length of rolling resistance, m; its torque impulse about u and v, 2; its work, J
     B_MISS,  # by how much the manifold misses its laws, m/s (solve.exact)
+    B_GAP,  # 4, separations at the start of the step
+    B_LOAD,  # 4, normal impulses
+    B_TOTAL_LOAD,  # 4, sums over the step
+    B_LIFT,  # 4, how much of the separations is not there, m
+    B_SOFT,  # 4, compliance of the normals
+    B_INVERSE,  # 10, inverse of the softened matrix of the normals, upper triangle
+    B_INVERSE_STUCK,  # 10, the same where friction answers by sticking
+    B_FRICTION_INVERSE,  # 6, the inverse of D K_P D; of points 3
+    # and what only faces have
+    B_FRICTION,  # 6, D K_P D
+    B_KWV, B_KWW,  # 9 + 6, the manifold's matrix: spin by force and torque
+    B_U, B_V,  # 4 + 4, places of the points
+    B_CENTER,  # 2, centre of pressure in the plane
+    B_TORQUE,  # T_m, torque of pure spinning per mu N, m
+    B_SURFACE,  # 7, coefficients of the limit surface
+    B_TURN,  # 2, cosine and sine of the angle of the frame in that of the manifold
+    B_ROLLING, B_ROLL, B_ROLLED,  # length of rolling resistance, m; its torque impulse about u and v, 2; its work, J
     B_SCALED, B_ALPHA, B_ATTRACT,  # 4 + 1 + 4, of friction laws (friction.laws): force by scaled force; slip over mu;
     # impulse a substep with which the points hold on
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 9, 6, 4, 4, 4, 10, 10, 4, 1, 6, 6, 2, 1, 7, 2, 1, 1, 1, 1, 3, 2, 4, 3, 1, 1, 4, 3, 3, 1,
-    1, 1, 4, 1, 2, 1, 1, 4, 1, 4,
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 1, 1, 1, 1, 1, 3, 2, 3, 1, 1, 3, 3, 1, 1, 1, 1, 4, 4, 4, 4, 4, 10, 10, 6,
+    6, 9, 6, 4, 4, 2, 1, 7, 2, 1, 2, 1, 4, 1, 4,
 )  # fmt: skip
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------
@@ -136,7 +140,7 @@ class Soft(NamedTuple):
     meta: np.ndarray  # (p + 1, META_WIDTH) float64
     reports: np.ndarray  # (p + 1, REPORT_WIDTH)
     blocks: np.ndarray  # (blocks x FIELDS, 8)
-    members: np.ndarray  # (4 x blocks, 8) int32: rows of bodies a and b, and of the manifold; the world
+    members: np.ndarray  # (5 x blocks, 8) int32: rows of bodies a and b, and of the manifold; the world; the kind
     rows: np.ndarray  # (n + 1, ROW_WIDTH)
     aux: np.ndarray  # (n + 1, AUX_WIDTH)
     pose: np.ndarray  # (n + 1, POSE_WIDTH) float64
@@ -146,13 +150,13 @@ class Soft(NamedTuple):
 
 def make_soft(n: int, p: int, dtype: type = np.float32) -> Soft:
     """Zeroed arrays; each colour may leave a block that is partly filled, hence the room for more."""
-    blocks = p // LANES + 64 + p // 16
+    blocks = p // LANES + 128 + p // 16
     return Soft(
         manifolds=np.zeros((p + 1, MANIFOLD_WIDTH), dtype),
         meta=np.zeros((p + 1, META_WIDTH)),
         reports=np.zeros((p + 1, REPORT_WIDTH), dtype),
         blocks=np.zeros((blocks * FIELDS, LANES), dtype),
-        members=np.zeros((4 * blocks, LANES), np.int32),
+        members=np.zeros((5 * blocks, LANES), np.int32),
         rows=np.zeros((n + 1, ROW_WIDTH), dtype),
         aux=np.zeros((n + 1, AUX_WIDTH), dtype),
         pose=np.zeros((n + 1, POSE_WIDTH)),

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stiction.core.colouring import COLOURS, WAYS
+from stiction.core.colouring import GROUPS, WAYS
 from stiction.core.solve.exact import TALLY
 from stiction.core.state import CONTACT_WIDTH, SCRATCH, TAGS_WIDTH
 
@@ -56,9 +56,7 @@ class Desk(NamedTuple):
     normals: (
         np.ndarray
     )  # (worlds x (n + 1), 3) of the plane in which a row glides, or the acceleration with which it falls
-    sizes: (
-        np.ndarray
-    )  # ((1 + WAYS) (COLOURS + 1),) int64: manifolds of each colour, and where those begin that did alike
+    sizes: np.ndarray  # ((1 + WAYS) GROUPS,) int64: manifolds of each group, and where those begin that did alike
     notes: np.ndarray  # (worlds, NOTES) int64
     failed: np.ndarray  # (worlds,) int64: whether a body's state would not be finite
     contacts: np.ndarray  # scratch of one pair
@@ -79,7 +77,7 @@ def make_desk(n: int, p: int, worlds: int = 1, fill: int = NEVER) -> Desk:
         active=np.zeros((worlds * p, 4), np.int64),
         lists=np.zeros((LISTS, worlds * (n + 1)), np.int64),
         normals=np.zeros((worlds * (n + 1), 3)),
-        sizes=np.zeros((1 + WAYS) * (COLOURS + 1), np.int64),
+        sizes=np.zeros((1 + WAYS) * GROUPS, np.int64),
         notes=np.zeros((worlds, NOTES), np.int64),
         failed=np.zeros(worlds, np.int64),
         contacts=np.zeros((PAIR_CONTACTS, CONTACT_WIDTH)),

@@ -11,7 +11,8 @@ from __future__ import annotations
 from stiction.core import soft_rows as s
 from stiction.core.clock import lap, start_clock
 from stiction.core.colouring import (
-    COLOURS,
+    GROUPS,
+    MEMBERS,
     colour_manifolds,
     count_blocks,
     empty_blocks,
@@ -126,6 +127,7 @@ def take_steps(steps, n, book, first, last, outcomes, one, bounces, laws, exact,
     notes, worlds = desk_at(book).notes, last - first
     going = 0
     places = desk_at(book).lists.shape[1] // notes.shape[0]
+    points = not (laws or exact)  # laws and the exact solver know only faces
     for k in range(worlds):
         notes[k, PLACE] = k * places
         going += begin_call(steps, n, book, first + k, notes[k], outcomes, one)
@@ -142,7 +144,7 @@ def take_steps(steps, n, book, first, last, outcomes, one, bounces, laws, exact,
                     room += notes[k, ACTIVE] if notes[k, ROLE] == WAITS and not alone else 0
                 k += 1
             start, count = (k - 1, 1) if alone else (0, worlds)
-            solve_worlds(n, book, first + start, count, notes[start:], outcomes, one, bounces, laws, team)
+            solve_worlds(n, book, first + start, count, notes[start:], outcomes, one, bounces, laws, points, team)
             if alone:
                 notes[start, ROLE] = NOBODY
         going = 0
@@ -232,14 +234,14 @@ def find_contacts(n, book, w, note, outcomes, one, bounces, laws, exact, team):
 
 
 @jit
-def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, team):
+def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, points, team):
     """The second half of a step of those of so many worlds from ``first`` on that wait."""
     _, _, _, _, profile, settings = rows_of(book, first)
     desk, soft, dt = desk_at(book), soft_of_all(book, first, worlds, notes[0, PLACE], one), settings.dt
     places, pairs = desk.lists.shape[1] // desk.notes.shape[0], soft.manifolds.shape[0] // worlds
 
     # blocks
-    sizes, starts = desk.sizes[: COLOURS + 1], desk.sizes[COLOURS + 1 :]
+    sizes, starts = desk.sizes[:GROUPS], desk.sizes[GROUPS:]
     forget_colours(sizes, starts)
     substeps, fresh = 0, NOTHING_NEW
     for j in range(worlds):
@@ -247,11 +249,11 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, te
             substeps, fresh = notes[j, SUBSTEPS], notes[j, FRESH]
             active = desk.active[notes[j, FROM] :]
             kinds_here = rows_of(book, first + j).kinds
-            colour_manifolds(active, notes[j, ACTIVE], kinds_here, desk.lists[USED], sizes, starts)
+            colour_manifolds(active, notes[j, ACTIVE], kinds_here, desk.lists[USED], sizes, starts, points)
     if substeps == 0:
         return
     blocks = count_blocks(sizes)
-    if 4 * blocks > soft.members.shape[0] or blocks * s.FIELDS > soft.blocks.shape[0]:
+    if MEMBERS * blocks > soft.members.shape[0] or blocks * s.FIELDS > soft.blocks.shape[0]:
         for j in range(worlds):
             if notes[j, ROLE] == WAITS:
                 stop(n, book, first + j, outcomes, MORE_BLOCKS, blocks)

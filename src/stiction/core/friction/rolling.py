@@ -12,10 +12,7 @@ from __future__ import annotations
 from stiction.core.contact_space import to_contact
 from stiction.core.friction.coulomb import secular_friction
 from stiction.core.jit import jit
-from stiction.core.lanes import greatest, least, sqrt
 from stiction.core.vec import Vec3, congruent, transpose
-
-ROLLING_STEPS = 4
 
 
 @jit
@@ -32,31 +29,3 @@ def resisting_torque(inverse_inertia, B, spin, torque, rolling, torsional, gn):
     limit = torsional * gn
     mn = min(max(torque.x + v.x / A.xx, -limit), limit)
     return Vec3(mn, m1, m2)
-
-
-@jit
-def rolling_impulse(kuu, kuv, kvv, bu, bv, limit):
-    """The angular impulse in the plane that stops the rolling (b_u, b_v) it meets, or of size ``limit`` if that is
-    less.
-
-    ``k`` is the response of the rolling to it, and what remains is opposite to the torque, by the secular equation as
-    in ``secular_friction``; but with a fixed number of steps and without a branch, for numbers and for lanes.
-    """
-    zero = limit - limit
-    alpha = zero
-    tiny = 1e-30
-    for _ in range(ROLLING_STEPS):
-        a, c = kuu + alpha, kvv + alpha
-        det = 1.0 / greatest(a * c - kuv * kuv, tiny)
-        mu, mv = (c * bu - kuv * bv) * det, (a * bv - kuv * bu) * det
-        size2 = mu * mu + mv * mv + tiny
-        size = sqrt(size2)
-        du, dv = (c * mu - kuv * mv) * det, (a * mv - kuv * mu) * det
-        step = size2 / (mu * du + mv * dv + tiny) * (size - limit) / greatest(limit, 1e-6 * size + tiny)
-        alpha = greatest(alpha + step, 0.0)
-    a, c = kuu + alpha, kvv + alpha
-    det = 1.0 / greatest(a * c - kuv * kuv, tiny)
-    mu, mv = (c * bu - kuv * bv) * det, (a * bv - kuv * bu) * det
-    size = sqrt(mu * mu + mv * mv + tiny)
-    scale = least(limit / size, 1.0)
-    return mu * scale, mv * scale

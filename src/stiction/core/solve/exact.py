@@ -22,12 +22,14 @@ Costs: bodies 1, manifolds 1 a pass; a check of the miss as much as a pass, ever
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.colouring import is_point_block
 from stiction.core.friction.laws import scaled_slip
 from stiction.core.friction.patch import choose3, level, slide, times
 from stiction.core.jit import entry, jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, select, size_of, sqrt, store
 from stiction.core.solve.blocks import get3, get4, get6, surface_at, vectors_of
 from stiction.core.solve.normals import Four
+from stiction.core.solve.points import miss_of_points
 from stiction.core.solve.soft import allowed, frame_of, gaps_now, solve_block, twist_of, unit_of
 from stiction.core.vec import Vec3, dot, transpose
 
@@ -114,7 +116,10 @@ def miss_of_all(blocks, index, count, rows, h, laws, moved):
     """The largest miss of all blocks, m/s."""
     worst = 0.0
     for i in range(count):
-        miss = miss_of_block(i, blocks, index, count, rows, h, laws, moved)
+        if laws is None and moved and is_point_block(index, i, count):
+            miss = miss_of_points(i, blocks, index, count, rows, h)
+        else:
+            miss = miss_of_block(i, blocks, index, count, rows, h, laws, moved)
         store(blocks, i * s.FIELDS + s.B_MISS, miss)
         for lane in range(LANES):
             if index[i + 2 * count, lane] > 0:

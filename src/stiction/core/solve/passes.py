@@ -5,12 +5,12 @@ from __future__ import annotations
 from stiction.core import soft_rows as s
 from stiction.core.ahead import ask_for_block, ask_for_bodies
 from stiction.core.clock import lap
-from stiction.core.colouring import COLOURS, count_colours
+from stiction.core.colouring import COLOURS, blocks_of_colour, count_colours, is_point_block
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
 from stiction.core.solve.exact import iterate, rigidity
+from stiction.core.solve.points import lift_points, prepare_points, solve_points, warm_points
 from stiction.core.solve.soft import (
     COLD_ENOUGH,
     COLD_PASSES,
@@ -36,7 +36,8 @@ def run_passes(
 
     ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, and ``moving`` bodies;
     ``fresh``: which manifolds are new; ``laws``: see :func:`prepare_block`; ``exact``: None, or what
-    :func:`iterate` needs. Every worker does a share of each colour, and they meet before the next one.
+    :func:`iterate` needs; with either there are no blocks of points. Every worker does a share of each colour, and they
+    meet before the next one.
     """
     blocks, index, manifolds, rows, aux = soft.blocks, soft.members, soft.manifolds, soft.rows, soft.aux
     beta, compliance, beta_stiff, compliance_stiff = softness(h) if exact is None else rigidity(h)
@@ -46,15 +47,23 @@ def run_passes(
         ask_for_bodies(index, i + 1, count, aux, s.AUX_ROTATION)
         ask_for_bodies(index, i + 1, count, aux, s.AUX_INERTIA)
         ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH)
-        prepare_block(
-            i, blocks, index, count, manifolds, soft.corners, aux, h, beta, compliance, beta_stiff, compliance_stiff,
-            laws,
-        )  # fmt: skip
+        if laws is None and exact is None and is_point_block(index, i, count):
+            prepare_points(
+                i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff
+            )  # fmt: skip
+        else:
+            prepare_block(
+                i, blocks, index, count, manifolds, soft.corners, aux, h, beta, compliance, beta_stiff,
+                compliance_stiff, laws,
+            )  # fmt: skip
     meet(team)
     for r in range(rounds):
         first, last = blocks_of(sizes, r, count, team, worker)
         for i in range(first, last):
-            warm_block(i, blocks, index, count, rows, aux, laws)
+            if laws is None and exact is None and is_point_block(index, i, count):
+                warm_points(i, blocks, index, count, rows)
+            else:
+                warm_block(i, blocks, index, count, rows, aux, laws)
         meet(team)
     if fresh > NOTHING_NEW and exact is None:
         most = COLD_PASSES if fresh == SOME_NEW else max(COLD_PASSES, min(MOST_COLD_PASSES, MOST_COLD_WORK // count))
@@ -63,13 +72,17 @@ def run_passes(
                 first, last = blocks_of(sizes, r, count, team, worker)
                 for i in range(first, last):
                     if has_fresh(blocks, i):
-                        solve_block(i, blocks, index, count, rows, h, True, False, rolls, laws, exact)
+                        solve_any(i, blocks, index, count, rows, h, True, False, rolls, laws, exact)
                 meet(team)
             if turn % COLD_PASSES == COLD_PASSES - 1 and last_change(blocks, count) < COLD_ENOUGH:
                 break
         first, last = share(team, worker, 0, count)
         for i in range(first, last):
-            if has_fresh(blocks, i):
+            if not has_fresh(blocks, i):
+                continue
+            if is_point_block(index, i, count):
+                lift_points(i, blocks)
+            else:
                 lift_block(i, blocks)
         meet(team)
     if worker == 0:
@@ -83,7 +96,7 @@ def run_passes(
             for i in range(first, last):
                 ask_for_bodies(index, i + 1, count, rows, s.ROW_V)
                 ask_for_bodies(index, i + 1, count, rows, s.ROW_TURN)
-                solve_block(i, blocks, index, count, rows, h, False, True, rolls, laws, exact)
+                solve_any(i, blocks, index, count, rows, h, False, True, rolls, laws, exact)
             meet(team)
         if worker == 0:
             lap(profile, 5)
@@ -91,6 +104,15 @@ def run_passes(
         meet(team)
         if worker == 0:
             lap(profile, 6)
+
+
+@jit
+def solve_any(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exact):
+    """One pass over block i: of points, or as :func:`solve_block`."""
+    if laws is None and exact is None and is_point_block(index, i, count):
+        solve_points(i, blocks, index, count, rows, h, cold, counts)
+    else:
+        solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exact)
 
 
 @jit
@@ -107,7 +129,8 @@ def blocks_of(sizes, r, count, team, worker):
         return 0, count
     first = 0
     for c in range(r):
-        first += (sizes[c] + LANES - 1) // LANES
-    if r == COLOURS or sizes[r] == 0:
+        first += blocks_of_colour(sizes, c)
+    here = blocks_of_colour(sizes, r) if r < COLOURS else 0
+    if here == 0:
         return (first, count) if worker == 0 else (first, first)
-    return share(team, worker, first, (sizes[r] + LANES - 1) // LANES)
+    return share(team, worker, first, here)

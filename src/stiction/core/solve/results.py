@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.ahead import ask_for_block
+from stiction.core.colouring import is_point_block
 from stiction.core.friction.laws import force_in_plane
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
@@ -22,7 +23,7 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
     manifold of nobody. ``laws``: whether the forces in the blocks are scaled (:mod:`stiction.core.friction.laws`).
     """
     for i in range(count):
-        o = i * s.FIELDS
+        o, points = i * s.FIELDS, is_point_block(index, i, count)
         ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH)
         ask_for_block(index, i + 1, count, reports, s.REPORT_WIDTH)
         for lane in range(LANES):
@@ -30,8 +31,12 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
             if row > 0 and not failed[world]:
                 slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
                 scale = blocks[o + s.B_SCALE, lane] * 1.0
-                store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws)
-                friction, rolling = blocks[o + s.B_WORK, lane] * scale, blocks[o + s.B_ROLLED, lane] * scale
+                friction, rolling = blocks[o + s.B_WORK, lane] * scale, 0.0 * scale
+                if points:
+                    store_point(blocks, o, lane, manifolds, reports, row, scale, scale / h, part)
+                else:
+                    store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws)
+                    rolling = blocks[o + s.B_ROLLED, lane] * scale
                 ledgers[LEDGER_WIDTH * world + FRICTION] += friction
                 ledgers[LEDGER_WIDTH * world + ROLLING_LOSS] += rolling
                 if slid or rolling > 0.0:
@@ -48,26 +53,10 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
 @jit
 def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws):
     """The same for one manifold; impulses of the block times ``scale`` are impulses, times ``rate`` forces."""
-    u = Vec3(blocks[o + s.B_TANGENT, lane], blocks[o + s.B_TANGENT + 1, lane], blocks[o + s.B_TANGENT + 2, lane])
-    n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
-    v = cross(n, u)
+    u, v = tangents_of(blocks, o, lane)
     arm = blocks[o + s.B_TORQUE, lane]
     px, py = blocks[o + s.B_CENTER, lane], blocks[o + s.B_CENTER + 1, lane]
-    for k in range(4):
-        manifolds[row, s.LOAD + k] = blocks[o + s.B_LOAD + k, lane] * rate
-        reports[row, s.TOTAL_LOAD + k] = blocks[o + s.B_TOTAL_LOAD + k, lane] * scale
-    if manifolds[row, s.FRESH] == s.QUIET:
-        for k in range(4):
-            reports[row, s.LIFT + k] = blocks[o + s.B_LIFT + k, lane]
-            manifolds[row, s.GAP + k] -= blocks[o + s.B_LIFT + k, lane]
-    for k in range(4):
-        lift = reports[row, s.LIFT + k]
-        if lift > 0.0:
-            # how deep its load has a point; what it is lifted by beyond that is taken back slowly
-            depth = blocks[o + s.B_SOFT + k, lane] * blocks[o + s.B_LOAD + k, lane] / blocks[o + s.B_BETA, lane]
-            if lift > depth + LEAST_LIFT:
-                reports[row, s.LIFT + k] -= (lift - depth) * part
-                manifolds[row, s.GAP + k] += (lift - depth) * part
+    store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, 4)
     fu, fv = force_in_plane(blocks, o, lane, s.B_PULL, laws)
     fu, fv = fu * rate, fv * rate
     put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
@@ -82,3 +71,50 @@ def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws
     manifolds[row, s.ROLL], manifolds[row, s.ROLL + 1] = c * roll_u - sn * roll_v, sn * roll_u + c * roll_v
     manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
     manifolds[row, s.FRESH] = 0.0
+
+
+@jit
+def store_point(blocks, o, lane, manifolds, reports, row, scale, rate, part):
+    """The same for a point (:mod:`stiction.core.solve.points`)."""
+    u, v = tangents_of(blocks, o, lane)
+    store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, 1)
+    for k in range(1, 4):
+        manifolds[row, s.LOAD + k] = reports[row, s.TOTAL_LOAD + k] = 0.0
+    fu, fv = blocks[o + s.B_PULL, lane] * rate, blocks[o + s.B_PULL + 1, lane] * rate
+    put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
+    fu, fv = blocks[o + s.B_TOTAL_PULL, lane] * scale, blocks[o + s.B_TOTAL_PULL + 1, lane] * scale
+    put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
+    manifolds[row, s.SPIN] = reports[row, s.TOTAL_TWIST] = 0.0
+    manifolds[row, s.ROLL] = manifolds[row, s.ROLL + 1] = 0.0
+    manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
+    manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
+    manifolds[row, s.FRESH] = 0.0
+
+
+@jit
+def tangents_of(blocks, o, lane):
+    """The directions u and v of one manifold, world."""
+    u = Vec3(blocks[o + s.B_TANGENT, lane], blocks[o + s.B_TANGENT + 1, lane], blocks[o + s.B_TANGENT + 2, lane])
+    n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
+    return u, cross(n, u)
+
+
+@jit
+def store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, points):
+    """What the first ``points`` points of one manifold carry, and how far they are held above where that will have
+    them."""
+    for k in range(points):
+        manifolds[row, s.LOAD + k] = blocks[o + s.B_LOAD + k, lane] * rate
+        reports[row, s.TOTAL_LOAD + k] = blocks[o + s.B_TOTAL_LOAD + k, lane] * scale
+    if manifolds[row, s.FRESH] == s.QUIET:
+        for k in range(points):
+            reports[row, s.LIFT + k] = blocks[o + s.B_LIFT + k, lane]
+            manifolds[row, s.GAP + k] -= blocks[o + s.B_LIFT + k, lane]
+    for k in range(points):
+        lift = reports[row, s.LIFT + k]
+        if lift > 0.0:
+            # how deep its load has a point; what it is lifted by beyond that is taken back slowly
+            depth = blocks[o + s.B_SOFT + k, lane] * blocks[o + s.B_LOAD + k, lane] / blocks[o + s.B_BETA, lane]
+            if lift > depth + LEAST_LIFT:
+                reports[row, s.LIFT + k] -= (lift - depth) * part
+                manifolds[row, s.GAP + k] += (lift - depth) * part

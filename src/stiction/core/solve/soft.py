@@ -15,9 +15,9 @@ substep, applied again, change velocities by as much as they did then: with v th
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.friction.coulomb import limited_impulse
 from stiction.core.friction.laws import follow_slip, real_force, scaled_slip
 from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slide, times
-from stiction.core.friction.rolling import rolling_impulse
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, scatter, select, size_of, sqrt, store
 from stiction.core.solve.blocks import get3, get4, get6, put3, put4, surface_at, vectors_of
@@ -363,7 +363,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
         if rolls is not None:
             rolling_limit = (lam.a + lam.b + lam.c + lam.d) * load(blocks, o + s.B_ROLLING)
             bu, bv = w.y + Kww.yy * roll_u + Kww.yz * roll_v, w.z + Kww.yz * roll_u + Kww.zz * roll_v
-            mu_u, mu_v = rolling_impulse(Kww.yy, Kww.yz, Kww.zz, bu, bv, rolling_limit)
+            mu_u, mu_v = limited_impulse(Kww.yy, Kww.yz, Kww.zz, bu, bv, rolling_limit)
             if cold or sweep > 0:
                 mu_u, mu_v = select(going, mu_u, roll_u), select(going, mu_v, roll_v)
             du, dv = mu_u - roll_u, mu_v - roll_v
