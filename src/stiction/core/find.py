@@ -28,6 +28,8 @@ from stiction.core.vec import vec3
 HAS_POINTS = 3
 """Column of the active manifolds in which those of all pairs say whether they have any: 0, or 1 more than what they did
 (``colouring.way_of``). Later it is their place in the blocks."""
+DUE_LIST = 0
+"""Column of them that lists the pairs to be looked at, until it names the bodies of those with points."""
 
 
 @jit
@@ -49,23 +51,19 @@ def update_manifolds(
     piece = 0
     first, last = take_piece(team, piece, npairs)
     while first < last:
-        for k in range(first, last):
+        due = list_due(kinds, pairs, first, last, pose, active)
+        for j in range(due):
+            k = active[first + j, DUE_LIST]
             a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
-            active[k, HAS_POINTS] = 0
-            ahead = min(k + SOON, last - 1)
             if npairs > 2 * MANY:
-                ask_for(pose, pairs[ahead, PAIR_B] + 1, s.POSE_MOTION)
-            if npairs > 2 * MANY and pairs[ahead, DUE] == 0:
-                ask_for_row(meta, pairs[ahead, SLOT] + 1, s.META_WIDTH, DOUBLE)
-                ask_for_row(manifolds, pairs[ahead, SLOT] + 1, s.MANIFOLD_WIDTH, SINGLE)
-                ask_for_row(reports, pairs[ahead, SLOT] + 1, s.REPORT_WIDTH, SINGLE)
-                ask_for(pose, pairs[ahead, PAIR_B] + 1, s.POSE_ROTATION)
-                ask_for(bodies, pairs[ahead, PAIR_B], POSITION)
-                ask_for(bodies, pairs[ahead, PAIR_B], SIZE)
-            if not is_due(pose, a, b, pairs[k, DUE]):
-                continue
-            if not (is_awake(kinds, a) or is_awake(kinds, b)) or is_sensed(kinds, a, b):
-                continue
+                ahead = active[first + min(j + SOON, due - 1), DUE_LIST]
+                slot, other = pairs[ahead, SLOT] + 1, pairs[ahead, PAIR_B]
+                ask_for_row(meta, slot, s.META_WIDTH, DOUBLE)
+                ask_for_row(manifolds, slot, s.MANIFOLD_WIDTH, SINGLE)
+                ask_for_row(reports, slot, s.REPORT_WIDTH, SINGLE)
+                ask_for(pose, other + 1, s.POSE_ROTATION)
+                ask_for(bodies, other, POSITION)
+                ask_for(bodies, other, SIZE)
             if not is_kept(kinds, a, b, pose, meta, row):
                 needed = margin_of(pose, kinds, a, b)
                 margin = needed + look_of(pose, kinds, a, b)
@@ -88,6 +86,26 @@ def update_manifolds(
             pairs[k, DUE] = due_of(pose, kinds, a, b, meta, row)
         piece += 1
         first, last = take_piece(team, piece, npairs)
+
+
+@jit
+def list_due(kinds, pairs, first, last, pose, active):
+    """Which of the pairs from ``first`` to before ``last`` have to be looked at: listed among the active manifolds from
+    ``first`` on, where none of these pairs has any points by now; returns their number."""
+    due = 0
+    for k in range(first, last):
+        a, b = pairs[k, PAIR_A], pairs[k, PAIR_B]
+        active[k, HAS_POINTS] = 0
+        if last - first > 2 * MANY:
+            ask_for(pose, pairs[min(k + SOON, last - 1), PAIR_B] + 1, s.POSE_MOTION)
+        if (
+            is_due(pose, a, b, pairs[k, DUE])
+            and (is_awake(kinds, a) or is_awake(kinds, b))
+            and not is_sensed(kinds, a, b)
+        ):
+            active[first + due, DUE_LIST] = k
+            due += 1
+    return due
 
 
 @jit

@@ -65,7 +65,7 @@ def climb(A, B, hulls, n, sigma, wa, wb, lift, floor, fine, stalled, lifts):
         shift = Vec3(0.0, 0.0, 0.0) if apart else n * (gap - sigma)
         tolerance = COARSE if gap > LEAST_LIFT * small and not apart else fine
         gap = LEAST_LIFT * small
-        proven, bound, m, wa, wb = between_lines(A, B, hulls, shift, n)
+        proven, bound, m, wa, wb = between_lines(A, B, hulls, shift, n, tolerance)
         if not proven:
             _, bound, m, wa, wb = closest(A, B, hulls, shift, n, math.inf, 0.0, tolerance)
         bound -= dot(shift, m)
@@ -78,11 +78,12 @@ def climb(A, B, hulls, n, sigma, wa, wb, lift, floor, fine, stalled, lifts):
 
 
 @jit
-def between_lines(A, B, hulls, shift, n):
+def between_lines(A, B, hulls, shift, n, tolerance):
     """The distance of A from B moved by ``shift``, if they are nearest to each other with the edges, or the sides or a
     rim of cylinders, that reach farthest along n: as :func:`closest`, but first whether it is proven.
 
-    It is if the cores are as far apart along the line between the nearest points as these points are.
+    It is if the cores are as far apart along the line between the nearest points as these points are, but for a part
+    ``tolerance``.
     """
     p, u, ra = _line_at(A, hulls, n)
     q, v, rb = _line_at(B, hulls, -n)
@@ -93,10 +94,12 @@ def between_lines(A, B, hulls, shift, n):
     if abs(tilt_a) > ON_SIDE:
         if abs(tilt_b) > ON_SIDE:
             return False, 0.0, n, p, q
-        t, x = _rim_and_line(p + u if tilt_a > 0.0 else p, column(A.R, 2), ra, q, v)
+        side = math.copysign(1.0, tilt_a)
+        t, x = _rim_and_line(p + u if tilt_a > 0.0 else p, column(A.R, 2) * side, ra, q, v)
         y, ra = q + v * t, 0.0
     elif abs(tilt_b) > ON_SIDE:
-        s, y = _rim_and_line(q if tilt_b > 0.0 else q + v, column(B.R, 2), rb, p, u)
+        side = math.copysign(1.0, tilt_b)
+        s, y = _rim_and_line(q if tilt_b > 0.0 else q + v, column(B.R, 2) * -side, rb, p, u)
         x, rb = p + u * s, 0.0
     else:
         s, t = nearest_on_segments(p, u, q, v)
@@ -106,23 +109,32 @@ def between_lines(A, B, hulls, shift, n):
         return False, 0.0, n, x, y
     m = (y - x) * (1.0 / size)
     upper, bound = size - ra - rb, along(A, B, hulls, m) + dot(shift, m)
-    return upper - bound <= FINE * upper, bound, m, x + m * ra, y - m * rb - shift
+    return upper - bound <= tolerance * upper, bound, m, x + m * ra, y - m * rb - shift
 
 
 @jit
-def _rim_and_line(c, axis, radius, p, u):
-    """Where p + t u, t in 0 to 1, comes nearest to a rim about c from outside: t, and the point of the rim.
+def _rim_and_line(c, out, radius, p, u):
+    """Where p + t u, t in 0 to 1, comes nearest to a rim about c from outside: t, and the point of the rim. ``out``: the
+    normal of the disc, on the side of the line.
 
-    Newton on the derivative of half the squared distance, which is convex where the line is not over the disc.
+    Newton on the derivative of half the squared distance, which is convex where the line is not over the disc. So it
+    begins where the line is nearest to the axis, or if that is over the disc, where the line leaves it on its way down.
     """
-    uu = dot(u, u)
-    w = u - axis * dot(u, axis)
+    uu, rise = dot(u, u), dot(u, out)
+    w = u - out * rise
     ww = dot(w, w)
     t, x = 0.5, c
+    if ww > 0.0:
+        d = p - c
+        d = d - out * dot(d, out)
+        part = dot(d, w)
+        over = part * part - ww * (dot(d, d) - radius * radius)
+        t = (-part - math.copysign(math.sqrt(max(over, 0.0)), rise)) / ww
+        t = min(max(t, 0.0), 1.0)
     for _ in range(NEWTONS):
         y = p + u * t
         d = y - c
-        d = d - axis * dot(d, axis)
+        d = d - out * dot(d, out)
         size = length(d)
         if size <= 0.0:
             break
@@ -134,7 +146,8 @@ def _rim_and_line(c, axis, radius, p, u):
             break
         before = t
         t = min(max(t - dot(u, y - x) / slope, 0.0), 1.0)
-        if abs(t - before) <= 1e-9:
+        # an edge that is not quite across the direction costs the bound its length
+        if abs(t - before) <= 1e-14:
             break
     return t, x
 
