@@ -398,6 +398,27 @@ def test_boxes_apart_are_no_nearer_than_they_are(rng: np.random.Generator) -> No
     assert touching > 50
 
 
+def test_boxes_that_are_apart_meet_where_they_are_nearest(rng: np.random.Generator) -> None:
+    """Also where that is a corner beside all faces, and where lines of edges cross beyond the ends of the edges."""
+    for k in range(400):
+        a = box(rng.uniform(0.3, 1.5, size=3), rng.normal(size=3), random_unit(rng, 4))
+        q = random_unit(rng, 4)
+        if k % 2:  # faces nearly parallel, edges too or not
+            yaw, tilt = rng.uniform(0.0, math.pi) if k % 4 == 1 else 0.0, np.zeros(4)
+            tilt[:] = 1.0, *(10.0 ** rng.uniform(-5.0, -1.0) * random_unit(rng))
+            q = product(a.orientation, product((math.cos(0.5 * yaw), 0, 0, math.sin(0.5 * yaw)), tilt))
+            q /= np.linalg.norm(q)
+        b = box(rng.uniform(0.3, 1.5, size=3), np.zeros(3), q)
+        b = at_gap(a, b, random_unit(rng), float(rng.uniform(0.01, 0.1)))
+        distance = distance_of_boxes(a, b)
+        m = contacts_of(a, b, distance + 0.1)
+        assert len(m) > 0
+        assert distance - 2.0 * slack(a, b) <= m.separations.min() <= distance + slack(a, b) + 1e-6
+        assert gap_along(a, b, m.normals[0]) >= distance - 2.0 * slack(a, b) - 1e-6
+        for point, separation in zip(m.points, m.separations, strict=True):
+            assert max(signed_distance(a, point), signed_distance(b, point)) <= 0.5 * separation + 1e-9
+
+
 @pytest.mark.parametrize("gap", [-0.01, 0.0, 0.01])
 def test_face_on_face_gives_the_four_corners_of_the_overlap(gap: float) -> None:
     lower, upper = box((1.0, 1.0, 0.5)), box((1.0, 0.5, 0.25), (0.5, 0.25, 0.75 + gap))

@@ -85,21 +85,28 @@ def along(a: Placed, b: Placed, n: Array) -> Array:
 
 
 def best_separation(rng: np.random.Generator, a: Placed, b: Placed) -> float:
-    """The largest over ten thousand directions, and a random search about the best few of them."""
+    """The largest over ten thousand directions, and a random search about the best few of them.
+
+    Two faces that pass into one another make a ridge, on which few steps go up. So the steps take after the best ones
+    of those before: they grow long along the ridge.
+    """
     n = rng.normal(size=(10_000, 3))
     n /= np.linalg.norm(n, axis=1)[:, None]
     found = along(a, b, n)
     best = -math.inf
     for start in np.argsort(-found)[:4]:
-        here, value, step = n[start], found[start], 0.02
-        while step > 1e-8:
-            near = here + step * rng.normal(size=(50, 3))
+        here, value, spread = n[start], found[start], 4e-4 * np.eye(3)
+        while np.trace(spread) > 1e-16:
+            near = here + rng.normal(size=(50, 3)) @ np.linalg.cholesky(spread).T
             near /= np.linalg.norm(near, axis=1)[:, None]
             values = along(a, b, near)
-            if values.max() > value:
-                here, value = near[values.argmax()], values.max()
-            else:
-                step *= 0.5
+            good = np.argsort(-values)[:12]
+            steps = near[good] - here
+            further = values[good[0]] > value
+            spread = 0.3 * spread + (1.4 if further else 0.7) * steps.T @ steps / len(good)
+            spread += 1e-8 * np.trace(spread) * np.eye(3)
+            if further:
+                here, value = near[good[0]], values[good[0]]
         best = max(best, float(value))
     return best
 

@@ -2,6 +2,10 @@
 
 Gottschalk, Lin, Manocha, "OBBTree", SIGGRAPH 1996 (the 15 axes); clipping after Sutherland and Hodgman, 1974. The axis
 of least overlap wins, faces before edges unless an edge is clearly better, so that the manifold does not flicker.
+
+Boxes that are apart may be nearest to each other with a corner beside all faces, which none of the 15 axes sees. What
+is found is then farther than the best axis says, and the corners are tried one by one: boxes that are apart are
+nearest with a corner of either one, or with two edges that cross, whose axis is then the best of the 15.
 """
 
 from __future__ import annotations
@@ -14,6 +18,8 @@ from stiction.core.vec import Vec3, column, cross, dot, rotation, transpose
 
 FACE_PREFERENCE = 0.005
 """An edge axis must be better than the best face by this part of the smallest half length."""
+TOUCHING = 1e-9
+"""Corners that are nearer than this part of the smallest half length have no direction of their own."""
 PARALLEL = 1e-8
 """Edges whose cross product is shorter than the root of this are parallel: their axis is that of a face."""
 
@@ -37,7 +43,8 @@ def _octant(v):
 
 @jit
 def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, points):
-    """Feature of a point: axis (0 to 14), then incident face and corner or clip edge, or both edges.
+    """Feature of a point: axis (0 to 14; 15 and 16 are a corner of a and of b), then incident face and corner or clip
+    edge, or both edges, or the corner and what of the other box is nearest to it.
 
     ``hint`` is a direction in which b may be found, of any length, or zero: it is tried first. Returns the new count,
     and, with no new point, a direction along which they are apart, and how far. ``points`` is scratch, (16, 5).
@@ -78,18 +85,33 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
                 if separation > best_edge:
                     edge, best_edge, edge_normal = 6 + 3 * i + j, separation, e if s > 0.0 else -e
 
-    found = 0
+    best = max(best_face, best_edge)
+    apart, found = best > 0.0, 0
     if best_edge <= best_face + slack:
+        out = face_normal
         if face < 3:
-            found = _clip(pa, Ra, ha, face, face_normal, pb, Rb, hb, margin, points, face)
-            found = reduce(points, found, face_normal)
+            found = _clip(pa, Ra, ha, face, out, pb, Rb, hb, margin, points, face)
         else:
-            found = _clip(pb, Rb, hb, face - 3, -face_normal, pa, Ra, ha, margin, points, face)
-            found = reduce(points, found, -face_normal)
-    if found == 0 and edge >= 0 and best_edge >= best_face - slack:
+            out = -face_normal
+            found = _clip(pb, Rb, hb, face - 3, out, pa, Ra, ha, margin, points, face)
+        found = reduce(points, found, out)
+        if apart and found > 0:
+            deepest = points[0, 3]
+            for i in range(1, found):
+                deepest = min(deepest, points[i, 3])
+            if deepest > best + slack:
+                found = 0  # the nearest place lies beside the face, or is not among the four
+    if found == 0:
         # the edges are clearly nearer, or no corner of the one box lies over the face of the other
-        count = _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge)
-        return count, edge_normal, best_edge
+        if edge >= 0 and best_edge >= best_face - slack:
+            crossing, count = _edge_edge(
+                contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge, apart
+            )
+            if crossing:
+                return count, edge_normal, best_edge
+        if apart:
+            otherwise = face_normal if best_face >= best_edge else edge_normal
+            return _corner(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, margin, otherwise, best)
     for i in range(found):
         p = Vec3(points[i, 0], points[i, 1], points[i, 2])
         count = emit(contacts, tags, count, a, b, p, face_normal, points[i, 3], int(points[i, 4]))
@@ -97,8 +119,12 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
 
 
 @jit
-def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, separation, axis):
-    """The nearest points of the two edges whose cross product is the normal."""
+def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, separation, axis, apart):
+    """The nearest points of the two edges whose cross product is the normal.
+
+    Returns whether they cross, and the new count. If the boxes are apart, the lines may pass each other beyond an end
+    of an edge: then a corner is nearer than they are, and nothing is written.
+    """
     i, j = (axis - 6) // 3, (axis - 6) % 3
     na = transpose(Ra) @ normal
     nb = transpose(Rb) @ normal
@@ -113,13 +139,48 @@ def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, sepa
     scale = 1.0 / (1.0 - uv * uv)
     s = (dot(w, u) - uv * dot(w, v)) * scale
     t = (uv * dot(w, u) - dot(w, v)) * scale
-    # the lines may pass each other beyond an end of an edge
+    if apart and (abs(s) > _get(ha, i) or abs(t) > _get(hb, j)):
+        return False, count
     s = min(max(s, -_get(ha, i)), _get(ha, i))
     t = min(max(t, -_get(hb, j)), _get(hb, j))
     point = (qa + u * s + qb + v * t) * 0.5
     # which of the four parallel edges of either box: the signs of its corner, less that along the edge
     edges = (_octant(sa) & ~(1 << i)) << 3 | (_octant(sb) & ~(1 << j))
-    return emit(contacts, tags, count, a, b, point, normal, separation, axis << 8 | edges)
+    return True, emit(contacts, tags, count, a, b, point, normal, separation, axis << 8 | edges)
+
+
+@jit
+def _corner(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, margin, otherwise, bound):
+    """The corner of either box that is nearest to the other one; the boxes are apart, by ``bound`` along ``otherwise``
+    at least. Returns what :func:`box_box` does."""
+    least, x, y, feature = math.inf, pa, pb, 0
+    for side in range(2):
+        p, R, h, q, S, g = pa, Ra, ha, pb, Rb, hb
+        if side == 1:
+            p, R, h, q, S, g = pb, Rb, hb, pa, Ra, ha
+        # both in the axes of the box whose corners are not tried
+        T = transpose(S)
+        d, W = T @ (p - q), T @ R
+        for corner in range(8):
+            c = Vec3(h.x if corner & 1 else -h.x, h.y if corner & 2 else -h.y, h.z if corner & 4 else -h.z)
+            v = d + W @ c
+            w = Vec3(min(max(v.x, -g.x), g.x), min(max(v.y, -g.y), g.y), min(max(v.z, -g.z), g.z))
+            if dot(v - w, v - w) < least:
+                least = dot(v - w, v - w)
+                x, y = (q + S @ v, q + S @ w) if side == 0 else (q + S @ w, q + S @ v)
+                # beyond which of the faces, either way
+                outside = _octant(v - g) | _octant(-v - g) << 3
+                feature = (15 + side) << 9 | outside << 3 | corner
+    distance = math.sqrt(least)
+    normal = otherwise
+    if distance > TOUCHING * min(min(ha.x, min(ha.y, ha.z)), min(hb.x, min(hb.y, hb.z))):
+        normal = (y - x) * (1.0 / distance)
+    if distance <= margin:
+        return emit(contacts, tags, count, a, b, (x + y) * 0.5, normal, distance, feature), normal, distance
+    separation = dot(pb - pa, normal) - _reach(ha, transpose(Ra) @ normal) - _reach(hb, transpose(Rb) @ normal)
+    if separation > bound:
+        return count, normal, separation
+    return count, otherwise, bound
 
 
 @jit

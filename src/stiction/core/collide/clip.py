@@ -217,7 +217,8 @@ def clip_lines(A, B, n, sigma, hulls, margin, points):
         h = dot(b - a, n)
         if ra + rb > 0.0 and h > 0.0:
             h = length(b - a)
-        separation = h - ra - rb
+        # a line that is slightly oblique is rounder than the shape about it, which is nowhere nearer than they are
+        separation = max(h - ra - rb, sigma)
         best = min(best, separation)
         if separation <= margin:
             put_vec3(points, found, 0, (a + n * ra + b - n * rb) * 0.5)

@@ -31,9 +31,10 @@ FINE, COARSE = 1e-11, 1e-5
 LIFTS = 6
 STALLED = 1e-10
 """Progress below this part of the least half width ends it."""
-SHRINKS = 2
-SHRINK = 0.5
-"""Cylinders that overlap are shrunk to this part, then to its square, for a direction to begin with."""
+SHRINKS = (0.9, 0.5, 0.25)
+"""Cylinders that overlap are shrunk to these parts, for directions to begin with, ..."""
+TRIED = 2
+"""... and so many steps up from each tell which is best: the deepest of the starts may lead highest."""
 SHALLOW = 1e-3
 """Unless the best direction so far gives a smaller overlap than this part of the least half width."""
 ON_SIDE = 0.01
@@ -187,15 +188,15 @@ def look_around(A, B, hulls, n, sigma, wa, wb):
         bound = along(A, B, hulls, m)
         if bound > sigma:
             n, sigma = m, bound
-    factor = 1.0
-    for _ in range(SHRINKS):
-        factor *= SHRINK
+    for factor in SHRINKS:
         if sigma > -SHALLOW * small:
             break
         P, Q = shrunk(A, hulls, factor), shrunk(B, hulls, factor)
         clear, _, m, _, _ = closest(P, Q, hulls, Vec3(0.0, 0.0, 0.0), B.p - A.p, math.inf, TOUCHING * small, COARSE)
         if clear:
             bound = along(A, B, hulls, m)
+            gap, stalled = LEAST_LIFT * small, SHALLOW * small
+            _, m, bound, _, _ = climb(A, B, hulls, m, bound, wa, wb, gap, math.inf, COARSE, stalled, TRIED)
             if bound > sigma:
                 n, sigma = m, bound
     return climb(A, B, hulls, n, sigma, wa, wb, LIFT * small, math.inf, FINE, STALLED * small, LIFTS)
