@@ -16,7 +16,7 @@ from stiction.core.solve.exact import miss_of_block
 from stiction.core.solve.points import lift_points, miss_of_points, prepare_points, solve_points, warm_points
 from stiction.core.solve.results import store_blocks
 from stiction.core.solve.soft import lift_block, softness, solve_block, warm_block
-from stiction.core.state import BODY_WIDTH, LEDGER_WIDTH
+from stiction.core.state import LEDGER_WIDTH
 
 from .support import Array, compiled
 from .test_blocks import Pair
@@ -83,14 +83,14 @@ class Step:
         return rows, blocks
 
     def stored(self, blocks: Array, sort: int) -> tuple[Array, Array, Array]:
-        """Manifolds, reports and ledger after the step."""
+        """Manifolds, reports and ledgers after the step."""
         manifolds, reports = self.manifolds.copy(), np.zeros((LANES + 1, s.REPORT_WIDTH))
-        index, ledger, bodies = self.index.copy(), np.zeros(LEDGER_WIDTH), np.zeros((2 * LANES, BODY_WIDTH))
+        index, ledger, aux = self.index.copy(), np.zeros(LEDGER_WIDTH), self.aux.copy()
         index[4, 0] = sort
         compiled(store_blocks)(
-            bodies, blocks, index, 1, manifolds, reports, H, 1 / 60, ledger, np.zeros(1, np.int64), False
+            blocks, index, 1, manifolds, reports, aux, H, 1 / 60, ledger, np.zeros(1, np.int64), False
         )
-        return manifolds, reports, ledger
+        return manifolds, reports, np.append(ledger, aux[:, s.AUX_WORK])
 
 
 SAME = [

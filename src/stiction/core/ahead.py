@@ -67,3 +67,23 @@ def ask_for_bodies(index, i, count, rows, k):
         for lane in range(LANES):
             ask_for(rows, index[i, lane], k)
             ask_for(rows, index[i + count, lane], k)
+
+
+def row_number(i):
+    """i, of which the compiler may assume that it is not negative, nor huge: so it leaves out what would have rows
+    count from the end, for this index and for the next one."""
+    return i
+
+
+@type_callable(row_number)
+def _type_row_number(context):
+    return lambda i: i if isinstance(i, types.Integer) else None
+
+
+@lower_builtin(row_number, types.Integer)
+def _lower_row_number(context, builder, sig, args):
+    function = cgutils.get_or_insert_function(
+        builder.module, ir.FunctionType(ir.VoidType(), [ir.IntType(1)]), "llvm.assume"
+    )
+    builder.call(function, [builder.icmp_unsigned("<", args[0], args[0].type(1 << (args[0].type.width - 2)))])
+    return args[0]

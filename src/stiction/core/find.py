@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.ahead import DOUBLE, MANY, SINGLE, SOON, ask_for, ask_for_row
+from stiction.core.ahead import DOUBLE, MANY, SINGLE, SOON, ask_for, ask_for_row, row_number
 from stiction.core.collide.manifold import forget_face
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import way_of
@@ -53,8 +53,9 @@ def update_manifolds(
     while first < last:
         due = list_due(kinds, pairs, first, last, pose, active)
         for j in range(due):
-            k = active[first + j, DUE_LIST]
-            a, b, row = pairs[k, PAIR_A], pairs[k, PAIR_B], pairs[k, SLOT] + 1
+            k = row_number(active[first + j, DUE_LIST])
+            a, b = row_number(pairs[k, PAIR_A]), row_number(pairs[k, PAIR_B])
+            row = row_number(pairs[k, SLOT]) + 1
             if npairs > 2 * MANY:
                 ahead = active[first + min(j + SOON, due - 1), DUE_LIST]
                 slot, other = pairs[ahead, SLOT] + 1, pairs[ahead, PAIR_B]
@@ -94,7 +95,7 @@ def list_due(kinds, pairs, first, last, pose, active):
     ``first`` on, where none of these pairs has any points by now; returns their number."""
     due = 0
     for k in range(first, last):
-        a, b = pairs[k, PAIR_A], pairs[k, PAIR_B]
+        a, b = row_number(pairs[k, PAIR_A]), row_number(pairs[k, PAIR_B])
         active[k, HAS_POINTS] = 0
         if last - first > 2 * MANY:
             ask_for(pose, pairs[min(k + SOON, last - 1), PAIR_B] + 1, s.POSE_MOTION)

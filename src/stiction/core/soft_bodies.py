@@ -21,6 +21,7 @@ from stiction.core.state import (
     CENTER,
     DYNAMIC,
     FORCE,
+    FRICTION_WORK,
     INERTIA,
     INVERSE_INERTIA,
     INVERSE_MASS,
@@ -106,10 +107,11 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
             v, w = vec3(bodies, i, V_START), vec3(bodies, i, W_START)
         put_vec3(rows, r, s.ROW_V, v + (new_v - v) * part)
         put_vec3(rows, r, s.ROW_W, w + (new_w - w) * part)
-        for k in range(s.AUX_MASS, s.AUX_WIDTH):
+        for k in range(s.AUX_MASS, s.AUX_WORK):
             aux[r, k] = 0.0
     put_vec3(aux, r, s.AUX_OLD_V, v)
     put_vec3(aux, r, s.AUX_OLD_W, w)
+    aux[r, s.AUX_WORK] = 0.0
 
 
 @jit
@@ -147,7 +149,7 @@ def row_is_finite(rows, r):
 
 
 @jit
-def finish_contact(bodies, i, pose, rows, dt, ledger):
+def finish_contact(bodies, i, pose, rows, aux, dt, ledger):
     """Take velocities and displacement of a dynamic body in contact over from its row."""
     r = i + 1
     v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
@@ -155,6 +157,7 @@ def finish_contact(bodies, i, pose, rows, dt, ledger):
     put_vec3(bodies, i, V, v1)
     put_vec3(bodies, i, W, w1)
     enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
+    bodies[i, FRICTION_WORK] += aux[r, s.AUX_WORK]
     angle = wide(vec3(rows, r, s.ROW_TURN))
     turns = dot(angle, angle) > NO_TURN * NO_TURN
     had = spin_energy(bodies, i) if turns else 0.0

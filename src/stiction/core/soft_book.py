@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stiction.core.book import cube_at, entries_at, matrix_at, rows_at, vector_at, write_book
+from stiction.core.book import cube_at, matrix_at, rows_at, vector_at, write_book
 from stiction.core.collide.hulls import Hulls
 from stiction.core.jit import inlined
 from stiction.core.pairs import PairCache
@@ -76,12 +76,6 @@ def rows_of(book, w):
         matrix_at(book, BODIES, w, 0.0), matrix_at(book, KINDS, w, 0), cube_at(book, TABLE, w, 0.0),
         vector_at(book, LEDGER, w, 0.0), vector_at(book, CYCLES, w, 0), settings,
     )  # fmt: skip
-
-
-@inlined
-def rows_of_all(book, w, worlds):
-    """Bodies and ledgers of so many worlds from w on, as if they were of one."""
-    return rows_at(book, BODIES, w, worlds, 0.0), entries_at(book, LEDGER, w, worlds, 0.0)
 
 
 @inlined

@@ -168,12 +168,12 @@ def keep_states(bodies, awake, count):
 
 
 @jit
-def finish_bodies(bodies, kinds, awake, count, mark, pose, rows, gravity, dt, ledger):
+def finish_bodies(bodies, kinds, awake, count, mark, pose, rows, aux, gravity, dt, ledger):
     """Move all bodies, those in contact as the solver says."""
     for k in range(count):
         i = awake[k]
         if mark[i] and kinds[i, MOBILITY] == DYNAMIC:
-            finish_contact(bodies, i, pose, rows, dt, ledger)
+            finish_contact(bodies, i, pose, rows, aux, dt, ledger)
         else:
             finish_free(bodies, kinds, i, pose, gravity, dt, ledger)
 

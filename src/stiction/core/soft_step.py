@@ -9,6 +9,7 @@ agree, impacts, twice the substeps, laws of friction, the exact solver, threads.
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.book import entries_at
 from stiction.core.clock import lap, start_clock
 from stiction.core.colouring import (
     GROUPS,
@@ -27,13 +28,13 @@ from stiction.core.manifolds import clear_manifold, drive_work
 from stiction.core.pairs import BEGUN, SLOT
 from stiction.core.sleep import PERIOD, put_to_sleep
 from stiction.core.soft_book import (
+    LEDGER,
     bounces_at,
     cache_at,
     desk_at,
     gravity_of,
     part_at,
     rows_of,
-    rows_of_all,
     scratch_at,
     soft_at,
     soft_of_all,
@@ -283,10 +284,9 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, po
         desk.failed[j] = 0
         if notes[j, ROLE] == WAITS:
             desk.failed[j] = fails(book, first + j, n, j * places, notes[j], outcomes, one, h)
-    bodies, ledgers = rows_of_all(book, first, worlds)
     store_blocks(
-        bodies, soft.blocks, soft.members, blocks, soft.manifolds, soft.reports, h, dt / SETTLING, ledgers, desk.failed,
-        laws,
+        soft.blocks, soft.members, blocks, soft.manifolds, soft.reports, soft.aux, h, dt / SETTLING,
+        entries_at(book, LEDGER, first, worlds, 0.0), desk.failed, laws,
     )  # fmt: skip
     for j in range(worlds):
         if notes[j, ROLE] == WAITS and desk.failed[j] == 0:
@@ -345,8 +345,9 @@ def end_step(book, w, base, note, outcomes, one, bounces):
     lap(profile, 7)
     mark = desk.lists[MARK, base:]
     finish_bodies(
-        bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, gravity_of(settings), settings.dt, ledger
-    )
+        bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, soft.aux, gravity_of(settings), settings.dt,
+        ledger,
+    )  # fmt: skip
     unmark(mark, desk.lists[TOUCHING, base:], note[TOUCH])
     outcomes[w, TAKEN] += 1
     counts = scratch.counts

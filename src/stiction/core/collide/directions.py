@@ -115,8 +115,8 @@ def between_lines(A, B, hulls, shift, n, tolerance):
 
 @jit
 def _rim_and_line(c, out, radius, p, u):
-    """Where p + t u, t in 0 to 1, comes nearest to a rim about c from outside: t, and the point of the rim. ``out``: the
-    normal of the disc, on the side of the line.
+    """Where p + t u, t in 0 to 1, comes nearest to a rim about c from outside: t, and the point of the rim.
+    ``out``: the normal of the disc, on the side of the line.
 
     Newton on the derivative of half the squared distance, which is convex where the line is not over the disc. So it
     begins where the line is nearest to the axis, or if that is over the disc, where the line leaves it on its way down.

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.ahead import ask_for_block
+from stiction.core.ahead import ask_for_block, ask_for_bodies
 from stiction.core.colouring import is_point_block
 from stiction.core.friction.laws import force_in_plane
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
-from stiction.core.state import FRICTION, FRICTION_WORK, INVERSE_MASS, LEDGER_WIDTH, ROLLING_LOSS
+from stiction.core.state import FRICTION, LEDGER_WIDTH, ROLLING_LOSS
 from stiction.core.vec import Vec3, cross, put_vec3
 
 LEAST_LIFT = 1e-9
@@ -16,7 +16,7 @@ LEAST_LIFT = 1e-9
 
 
 @jit
-def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledgers, failed, laws):
+def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers, failed, laws):
     """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
     All rows are those of several worlds; of one that has ``failed`` nothing is stored. A lane that was padded names the
@@ -24,6 +24,7 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
     """
     for i in range(count):
         o, points = i * s.FIELDS, is_point_block(index, i, count)
+        ask_for_bodies(index, i + 1, count, aux, s.AUX_WORK)
         ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH)
         ask_for_block(index, i + 1, count, reports, s.REPORT_WIDTH)
         for lane in range(LANES):
@@ -40,14 +41,18 @@ def store_blocks(bodies, blocks, index, count, manifolds, reports, h, part, ledg
                 ledgers[LEDGER_WIDTH * world + FRICTION] += friction
                 ledgers[LEDGER_WIDTH * world + ROLLING_LOSS] += rolling
                 if slid or rolling > 0.0:
-                    # the solver's rows begin with nobody's in each world
-                    a, b = index[i, lane] - 1 - world, index[i + count, lane] - 1 - world
-                    both = bodies[a, INVERSE_MASS] > 0.0 and bodies[b, INVERSE_MASS] > 0.0
-                    share = (friction + rolling) * (0.5 if both else 1.0)
-                    if bodies[a, INVERSE_MASS] > 0.0:
-                        bodies[a, FRICTION_WORK] += share
-                    if bodies[b, INVERSE_MASS] > 0.0:
-                        bodies[b, FRICTION_WORK] += share
+                    share_work(aux, index[i, lane], index[i + count, lane], friction + rolling)
+
+
+@jit
+def share_work(aux, a, b, work):
+    """Enter what a contact took for the bodies of rows a and b, half for each if both can move."""
+    moves_a, moves_b = aux[a, s.AUX_MASS] > 0.0, aux[b, s.AUX_MASS] > 0.0
+    share = 0.5 * work if moves_a and moves_b else work
+    if moves_a:
+        aux[a, s.AUX_WORK] += share
+    if moves_b:
+        aux[b, s.AUX_WORK] += share
 
 
 @jit
