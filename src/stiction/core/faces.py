@@ -33,6 +33,8 @@ SLENDER = 1e-9
 """A polygon whose area is below this part of the square of its size is a line."""
 GHOST = 0.02
 """Of its length: how wide a strip stands for a line, which lies on one side of it."""
+INNER = 1e-6
+"""A corner at which a polygon turns back by more than this part of its squared size lies inside the others."""
 CALM = 0.05
 """1 - t is not taken to be less where it divides."""
 
@@ -94,6 +96,7 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
         sxx, sxy, syy = sxx + x * x / found, sxy + x * y / found, syy + y * y / found
     size2 = sxx + syy
     corners = _merge(points, corners, SAME_PLACE2 * size2)
+    corners = _without_inner(points, corners, INNER * size2)
     area, gx, gy, mxx, mxy, myy, tx, ty = _integrals(points, corners)
     flat = corners < 3 or area <= SLENDER * size2
     if disc:
@@ -245,6 +248,25 @@ def _merge(points, corners, near2):
             kept += 1
             points[FACE + kept, 3], points[FACE + kept, 4] = points[k, 3], points[k, 4]
     return kept
+
+
+@jit
+def _without_inner(points, corners, least):
+    """Drop a corner at which the polygon turns back, as the deepest of four points may lie between the others; returns
+    how many are left."""
+    k = 0
+    while k < corners and corners > 3:
+        i, j, m = FACE + 1 + (k + corners - 1) % corners, FACE + 1 + k, FACE + 1 + (k + 1) % corners
+        ax, ay = points[j, 3] - points[i, 3], points[j, 4] - points[i, 4]
+        bx, by = points[m, 3] - points[j, 3], points[m, 4] - points[j, 4]
+        if ax * by - ay * bx < -least:
+            corners -= 1
+            for q in range(j, FACE + 1 + corners):
+                points[q, 3], points[q, 4] = points[q + 1, 3], points[q + 1, 4]
+            k = 0
+        else:
+            k += 1
+    return corners
 
 
 @jit

@@ -1,0 +1,66 @@
+"""The face of a manifold: which polygon its points stand for."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from stiction.core import soft_rows as s
+from stiction.core.faces import measure_face, order_points
+from stiction.core.state import CONTACT_WIDTH, POINT, SCRATCH, TAGS_WIDTH
+from stiction.core.vec import Vec3
+
+from .support import Array, compiled
+
+UP = Vec3(0.0, 0.0, 1.0)
+
+
+def face_of(contacts: Any, tags: Any, found: int, points: Any, manifolds: Any, corners: Any) -> None:
+    """As the manifold of a new set of points does it."""
+    order_points(contacts, tags, found, UP)
+    x, y = 0.0, 0.0
+    for k in range(found):
+        x, y = x + contacts[k, POINT] / found, y + contacts[k, POINT + 1] / found
+    measure_face(contacts, tags, found, Vec3(x, y, 0.0), UP, points, manifolds, corners, 0)
+
+
+def measured(places: Array) -> tuple[Array, Array]:
+    """The manifold of points (n, 2) in a plane, and its own corners (8, 2), from the mean of the points."""
+    contacts, tags = np.zeros((4, CONTACT_WIDTH)), np.zeros((4, TAGS_WIDTH), np.int64)
+    contacts[: len(places), POINT : POINT + 2] = places
+    manifolds, corners = np.zeros((1, s.MANIFOLD_WIDTH)), np.zeros((1, s.CORNERS_WIDTH))
+    compiled(face_of)(contacts, tags, len(places), np.zeros((SCRATCH, 5)), manifolds, corners)
+    return manifolds[0], corners[0].reshape(2, 8).T
+
+
+def test_a_point_between_the_others_is_no_corner(rng: np.random.Generator) -> None:
+    """The deepest of four points may be one; a polygon that turns back has no arm and no surface."""
+    for _ in range(500):
+        triangle = rng.normal(size=(3, 2))
+        a, b = triangle[1] - triangle[0], triangle[2] - triangle[0]
+        if abs(a[0] * b[1] - a[1] * b[0]) < 0.1:
+            continue
+        places = np.vstack([triangle, rng.dirichlet([2.0, 2.0, 2.0]) @ triangle])
+        manifold, corners = measured(rng.permutation(places))
+        wanted, _ = measured(triangle)
+        assert manifold[s.KIND] == s.EIGHT
+        assert manifold[s.COUNT] == 4
+        x, y = corners.T
+        area = 0.5 * abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+        np.testing.assert_allclose(area, 0.5 * abs(a[0] * b[1] - a[1] * b[0]), rtol=1e-9)
+        assert np.isfinite(manifold).all()
+        assert abs(manifold[s.ARM]) < 0.3
+        assert abs(wanted[s.ARM]) < 0.3
+
+
+def test_a_quadrilateral_is_its_own_face(rng: np.random.Generator) -> None:
+    """In whatever order its corners were found."""
+    for _ in range(200):
+        angles = np.sort(rng.uniform(0.0, 2.0 * np.pi, size=4))
+        places = np.column_stack([np.cos(angles), np.sin(angles)])
+        if np.diff(angles, append=angles[0] + 2.0 * np.pi).min() < 0.2:
+            continue
+        manifold, _ = measured(rng.permutation(places))
+        assert manifold[s.KIND] == s.FOUR
+        assert abs(manifold[s.ARM]) < 0.3
