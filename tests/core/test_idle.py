@@ -52,11 +52,12 @@ def test_a_pair_is_looked_at_when_its_body_is_put_elsewhere() -> None:
     world = poured(np.random.default_rng(5), 64)
     world.step(60)
     far = next(row for row in pairs_of(world) if row[DUE] > 0 and row[0] > 0)
-    a, b = world.bodies[int(far[0])], world.bodies[int(far[1])]
+    pair = int(far[0]), int(far[1])  # the list's rows move
+    a, b = world.bodies[pair[0]], world.bodies[pair[1]]
     b.position = a.position + np.array([0.0, 0.0, 0.3])
     world.step()
     names = {(contact["body_a"], contact["body_b"]) for contact in world.contacts()}
-    assert (int(far[0]), int(far[1])) in names
+    assert pair in names
 
 
 def couples(count: int, closing: float) -> st.World:
