@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stiction.core import state
 from stiction.core.collide.narrow import find_contacts
+from stiction.core.jit import ENTRY
 from stiction.core.vec import Mat33, Vec3
 
 Array = NDArray[np.float64]
@@ -22,7 +23,7 @@ Generator = np.random.Generator
 @functools.cache
 def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     """A helper of core as a kernel of its own, made once a process; the options are those of the package's entries."""
-    kernel: Callable[..., Any] = numba.njit(error_model="numpy")(function)
+    kernel: Callable[..., Any] = numba.njit(**ENTRY)(function)
     return kernel
 
 

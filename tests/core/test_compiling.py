@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import math
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +12,10 @@ import numpy as np
 import pytest
 from numba.core import event
 
-from stiction.core import jit
+from stiction.core import jit, state
+from stiction.core.collide.narrow import find_contacts
 from stiction.core.compiling import LinkedLibrary, no_collection
+from stiction.core.jit import ENTRY
 
 pytestmark = pytest.mark.skipif(jit.config.DISABLE_JIT, reason="nothing is compiled")
 
@@ -95,6 +98,25 @@ def test_helpers_are_linked_into_the_entry_and_give_what_they_do_in_python(
 
 def test_kernels_of_others_may_call_helpers() -> None:
     assert numba.njit(lambda x: fourfold(x) + double(x))(2.0) == 12.0
+
+
+def test_kernels_of_others_do_not_meet_the_helpers_of_an_entry() -> None:
+    """These are called otherwise; LLVM's loader would let whoever comes later have them by their names."""
+    bodies, kinds = state.make_bodies(2)
+    kinds[:, state.SHAPE], kinds[0, state.MOBILITY] = state.BOX, state.DYNAMIC
+    bodies[:, state.SIZE : state.SIZE + 3] = 0.5
+    bodies[:, state.ORIENTATION] = bodies[0, state.INVERSE_MASS] = 1.0
+    found = []
+    for options in (ENTRY, {"error_model": "numpy"}):
+        kernel = numba.njit(**options)(find_contacts)
+        for k in range(20):
+            bodies[1, state.POSITION : state.POSITION + 3] = 0.1 * math.sin(k), 0.3 * math.cos(k), 0.9 + 0.01 * k
+            contacts, tags = state.make_contacts(8)
+            pairs, scratch = np.array([[0, 1]]), state.make_lists(2, 8, 1).points
+            count = kernel(bodies, kinds, pairs, 1, contacts, tags, 0.1, 1.0, scratch, 1, None)
+            found.append((count, contacts[:count].tolist(), tags[:count].tolist()))
+    assert found[:20] == found[20:]
+    assert {count for count, _, _ in found} >= {4}
 
 
 def test_an_exception_in_a_helper_comes_out_of_the_entry(kernel: Any) -> None:

@@ -102,8 +102,10 @@ class EntryLibrary(JITCodeLibrary):
         self._linking_libraries = []
         for function in self._final_module.functions:
             if function.linkage == Linkage.linkonce_odr:
-                # nobody else calls it: of an array it is given the fields that it reads, and not all seven
+                # Nobody else calls it: of an array it is given the fields that it reads, and not all seven. So nobody
+                # may find it by its name either, as LLVM's loader lets whoever has a function of that name do.
                 function.linkage = Linkage.internal
+                function.name = f"{function.name}.{self.name}"
         super().finalize()
 
 

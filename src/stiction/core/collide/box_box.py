@@ -19,7 +19,8 @@ from stiction.core.vec import Vec3, column, cross, dot, rotation, transpose
 FACE_PREFERENCE = 0.005
 """An edge axis must be better than the best face by this part of the smallest half length."""
 TOUCHING = 1e-9
-"""Corners that are nearer than this part of the smallest half length have no direction of their own."""
+"""Corners that are nearer than this part of the smallest half length have no direction of their own; a corner must be
+nearer than an earlier one by more than this part of the square of its distance."""
 PARALLEL = 1e-8
 """Edges whose cross product is shorter than the root of this are parallel: their axis is that of a face."""
 
@@ -165,7 +166,8 @@ def _corner(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, margin, otherwi
             c = Vec3(h.x if corner & 1 else -h.x, h.y if corner & 2 else -h.y, h.z if corner & 4 else -h.z)
             v = d + W @ c
             w = Vec3(min(max(v.x, -g.x), g.x), min(max(v.y, -g.y), g.y), min(max(v.z, -g.z), g.z))
-            if dot(v - w, v - w) < least:
+            # a corner of either one may be nearest to a corner of the other one
+            if dot(v - w, v - w) < least * (1.0 - TOUCHING):
                 least = dot(v - w, v - w)
                 x, y = (q + S @ v, q + S @ w) if side == 0 else (q + S @ w, q + S @ v)
                 # beyond which of the faces, either way
