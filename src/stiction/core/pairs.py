@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core.jit import jit
+from stiction.core.memory import zeros
 from stiction.core.state import (
     BOUNDS,
     DYNAMIC,
@@ -75,9 +76,9 @@ class PairCache(NamedTuple):
 def make_pair_cache(n: int, p: int) -> PairCache:
     """No pairs yet, with room for n bodies and p pairs."""
     return PairCache(
-        pairs=np.zeros((p, PAIR_WIDTH), np.int64),
-        begun=np.zeros((p, PAIR_WIDTH), np.int64),
-        ended=np.zeros((p, PAIR_WIDTH), np.int64),
+        pairs=zeros((p, PAIR_WIDTH), np.int64),
+        begun=zeros((p, PAIR_WIDTH), np.int64),
+        ended=zeros((p, PAIR_WIDTH), np.int64),
         free=np.zeros(p, np.int64),
         marks=np.zeros(n, np.uint8),
         lists=np.zeros((LISTS_WIDTH, n), np.int64),

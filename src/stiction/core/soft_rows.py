@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core.lanes import LANES
+from stiction.core.memory import zeros
 
 
 def _starts(*widths: int) -> list[int]:
@@ -153,14 +154,14 @@ def make_soft(n: int, p: int, dtype: type = np.float32) -> Soft:
     """Zeroed arrays; each colour may leave a block that is partly filled, hence the room for more."""
     blocks = p // LANES + 128 + p // 16
     return Soft(
-        manifolds=np.zeros((p + 1, MANIFOLD_WIDTH), dtype),
-        meta=np.zeros((p + 1, META_WIDTH)),
-        reports=np.zeros((p + 1, REPORT_WIDTH), dtype),
-        blocks=np.zeros((blocks * FIELDS, LANES), dtype),
-        members=np.zeros((5 * blocks, LANES), np.int32),
-        rows=np.zeros((n + 1, ROW_WIDTH), dtype),
-        aux=np.zeros((n + 1, AUX_WIDTH), dtype),
-        pose=np.zeros((n + 1, POSE_WIDTH)),
-        corners=np.zeros((p + 1, CORNERS_WIDTH), dtype),
-        grain=np.zeros((n + 1, 3)),
+        manifolds=zeros((p + 1, MANIFOLD_WIDTH), dtype),
+        meta=zeros((p + 1, META_WIDTH)),
+        reports=zeros((p + 1, REPORT_WIDTH), dtype),
+        blocks=zeros((blocks * FIELDS, LANES), dtype),
+        members=zeros((5 * blocks, LANES), np.int32),
+        rows=zeros((n + 1, ROW_WIDTH), dtype),
+        aux=zeros((n + 1, AUX_WIDTH), dtype),
+        pose=zeros((n + 1, POSE_WIDTH)),
+        corners=zeros((p + 1, CORNERS_WIDTH), dtype),
+        grain=zeros((n + 1, 3)),
     )

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core.colouring import GROUPS, WAYS
+from stiction.core.memory import zeros
 from stiction.core.solve.exact import TALLY
 from stiction.core.state import CONTACT_WIDTH, SCRATCH, TAGS_WIDTH
 
@@ -74,9 +75,9 @@ def make_scratch(n: int) -> Scratch:
 def make_desk(n: int, p: int, worlds: int = 1, fill: int = NEVER) -> Desk:
     """Room for so many worlds of n bodies and p pairs."""
     desk = Desk(
-        active=np.zeros((worlds * p, 4), np.int64),
-        lists=np.zeros((LISTS, worlds * (n + 1)), np.int64),
-        normals=np.zeros((worlds * (n + 1), 3)),
+        active=zeros((worlds * p, 4), np.int64),
+        lists=zeros((LISTS, worlds * (n + 1)), np.int64),
+        normals=zeros((worlds * (n + 1), 3)),
         sizes=np.zeros((1 + WAYS) * GROUPS, np.int64),
         notes=np.zeros((worlds, NOTES), np.int64),
         failed=np.zeros(worlds, np.int64),

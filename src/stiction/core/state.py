@@ -13,6 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stiction.core.memory import zeros
+
 SPHERE, BOX, PLANE, CAPSULE, CYLINDER, HULL = range(6)
 """Codes of the shapes."""
 
@@ -150,7 +152,7 @@ SCRATCH = FACE + 1 + LARGEST_FACE
 
 def make_bodies(n: int) -> tuple[np.ndarray, np.ndarray]:
     """Zeroed rows for n bodies, each at the origin and upright: their numbers and their integers."""
-    bodies = np.zeros((n, BODY_WIDTH))
+    bodies = zeros((n, BODY_WIDTH))
     bodies[:, ORIENTATION] = 1.0
     return bodies, np.zeros((n, KINDS_WIDTH), np.int64)
 

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core.jit import jit
+from stiction.core.memory import zeros
 
 NONE = -1
 """No node, no body."""
@@ -46,7 +47,7 @@ def make_tree(n: int, nodes: int | None = None) -> Tree:
     """An empty tree with room for n bodies; ``nodes``: for 2 n if left out, and one less than twice the leaves do."""
     nodes = 2 * n if nodes is None else nodes
     return Tree(
-        boxes=np.zeros((nodes, 6)),
+        boxes=zeros((nodes, 6)),
         links=np.full((nodes, LINKS_WIDTH), NONE, np.int64),
         leaf=np.full(n, NONE, np.int64),
         head=np.array([NONE, NONE, 0, 0, 0], np.int64),
