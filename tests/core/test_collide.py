@@ -317,7 +317,8 @@ def test_overlapping_boxes_always_touch_and_leave_the_shortest_way(rng: np.rando
         best = separations_on_axes(a, b).max()
         assert len(m) > 0
         depth, n = m.separations.min(), m.normals[0]
-        assert depth <= best + 1e-9
+        # the corner that is deepest below a face which is preferred to a better edge may lie beside it
+        assert depth <= best + slack(a, b) + 1e-9
         assert gap_along(a, b, n) >= best - slack(a, b) - 1e-9
         assert gap_along(a, b, n) - 1e-9 <= depth <= gap_along(a, b, n) + slack(a, b) + 1e-9
         free = box(b.size, np.asarray(b.position) - gap_along(a, b, n) * n, b.orientation)
