@@ -12,7 +12,6 @@ from stiction.core.colouring import (
     COLOURS,
     FACE,
     GROUPS,
-    MEMBERS,
     OPEN,
     POINT,
     SLIDES,
@@ -26,6 +25,7 @@ from stiction.core.colouring import (
     forget_colours,
 )
 from stiction.core.lanes import LANES
+from stiction.core.soft_rows import MEMBERS
 
 from .support import Array, compiled
 

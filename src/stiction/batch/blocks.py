@@ -98,7 +98,7 @@ class Desk:
         made = arrays_with(room, dtype)
         if blocks * soft_rows.FIELDS > len(made["soft.blocks"]):
             made["soft.blocks"] = np.zeros((blocks * soft_rows.FIELDS, LANES), dtype)
-            made["soft.members"] = np.zeros((5 * blocks, LANES), np.int32)
+            made["soft.members"] = np.zeros((soft_rows.MEMBERS * blocks, LANES), np.int32)
         self.together = max(1, min(LANES_FULL // room.bodies, MOST_TOGETHER))
         self.lists = soft_scratch.make_desk(room.bodies, room.pairs, self.together, soft_scratch.ALWAYS)
         self.arrays = {name: made[name] for name in DESKS} | {

@@ -25,9 +25,6 @@ SLIDES, STICKS, OPEN, WAYS = range(4)
 under one; carry none."""
 GROUPS = SORTS * COLOURS + 1
 """Manifolds of a colour and a sort; the last group are those that have no colour."""
-MEMBERS = 5
-"""Rows of ``index`` a block, each ``count`` behind the other: of bodies a and b, of the manifold, the world, and in the
-first lane the sort."""
 
 
 @jit
@@ -113,7 +110,7 @@ def empty_blocks(sizes, starts, index, count):
 
     Rows count from 1: row 0 is nobody's, and fills the lanes that are left over.
     """
-    for i in range(MEMBERS * count):
+    for i in range(s.MEMBERS * count):
         for lane in range(LANES):
             index[i, lane] = 0
     place = 0

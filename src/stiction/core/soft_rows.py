@@ -119,6 +119,10 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     6, 9, 6, 4, 4, 2, 1, 7, 2, 1, 2, 1, 4, 1, 4,
 )  # fmt: skip
 
+MEMBERS = 5
+"""Rows of members a block, each as many behind the other as there are blocks: of bodies a and b, of the manifold, the
+world, and in the first lane the sort (``colouring``)."""
+
 # --- rows of bodies ---------------------------------------------------------------------------------------------------
 
 ROW_V, ROW_W, ROW_D, ROW_TURN, ROW_WIDTH = 0, 4, 8, 12, 16
@@ -142,7 +146,7 @@ class Soft(NamedTuple):
     meta: np.ndarray  # (p + 1, META_WIDTH) float64
     reports: np.ndarray  # (p + 1, REPORT_WIDTH)
     blocks: np.ndarray  # (blocks x FIELDS, 8)
-    members: np.ndarray  # (5 x blocks, 8) int32: rows of bodies a and b, and of the manifold; the world; the kind
+    members: np.ndarray  # (MEMBERS x blocks, 8) int32: rows of bodies a and b, and of the manifold; the world; the kind
     rows: np.ndarray  # (n + 1, ROW_WIDTH)
     aux: np.ndarray  # (n + 1, AUX_WIDTH)
     pose: np.ndarray  # (n + 1, POSE_WIDTH) float64
@@ -158,7 +162,7 @@ def make_soft(n: int, p: int, dtype: type = np.float32) -> Soft:
         meta=zeros((p + 1, META_WIDTH)),
         reports=zeros((p + 1, REPORT_WIDTH), dtype),
         blocks=zeros((blocks * FIELDS, LANES), dtype),
-        members=zeros((5 * blocks, LANES), np.int32),
+        members=zeros((MEMBERS * blocks, LANES), np.int32),
         rows=zeros((n + 1, ROW_WIDTH), dtype),
         aux=zeros((n + 1, AUX_WIDTH), dtype),
         pose=zeros((n + 1, POSE_WIDTH)),

@@ -13,7 +13,6 @@ from stiction.core.book import entries_at
 from stiction.core.clock import lap, start_clock
 from stiction.core.colouring import (
     GROUPS,
-    MEMBERS,
     colour_manifolds,
     count_blocks,
     empty_blocks,
@@ -254,7 +253,7 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, po
     if substeps == 0:
         return
     blocks = count_blocks(sizes)
-    if MEMBERS * blocks > soft.members.shape[0] or blocks * s.FIELDS > soft.blocks.shape[0]:
+    if s.MEMBERS * blocks > soft.members.shape[0] or blocks * s.FIELDS > soft.blocks.shape[0]:
         for j in range(worlds):
             if notes[j, ROLE] == WAITS:
                 stop(n, book, first + j, outcomes, MORE_BLOCKS, blocks)

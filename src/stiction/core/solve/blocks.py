@@ -126,6 +126,35 @@ def body_of(aux, index, i):
 
 
 @jit
+def bodies_of(i, blocks, index, count, aux):
+    """Rotation matrices, inverse masses and inertias of both bodies of block i, and the mass that is their unit: one of
+    the pair's own, else mm and 100 m would not both fit into single precision."""
+    Ra, ma, Ia = body_of(aux, index, i)
+    Rb, mb, Ib = body_of(aux, index, i + count)
+    scale = 1.0 / greatest(ma + mb, TINY)
+    store(blocks, i * s.FIELDS + s.B_SCALE, scale)
+    return Ra, ma * scale, scaled(Ia, scale), Rb, mb * scale, scaled(Ib, scale), scale
+
+
+@jit
+def put_bodies(blocks, o, ra, rb, ma, mb, Ia, Ib, Kvv):
+    """Store what a pass needs of both bodies, in the frame of the patch."""
+    put3(blocks, o + s.B_ARM_A, ra)
+    put3(blocks, o + s.B_ARM_B, rb)
+    store(blocks, o + s.B_MASS_A, ma)
+    store(blocks, o + s.B_MASS_B, mb)
+    put6(blocks, o + s.B_INERTIA_A, upper(Ia))
+    put6(blocks, o + s.B_INERTIA_B, upper(Ib))
+    put6(blocks, o + s.B_KVV, upper(Kvv))
+
+
+@jit
+def upper(m):
+    """The upper triangle of a symmetric matrix."""
+    return Sym3(m.xx, m.xy, m.xz, m.yy, m.yz, m.zz)
+
+
+@jit
 def patch_matrix(mass, inertia, r):
     """One body's share of the manifold's matrix: K_vv, K_wv and K_ww = I^-1, all in the frame of the patch."""
     turn = inertia @ skew(r)
@@ -165,8 +194,7 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, sof
     """
     o = i * s.FIELDS
     rows = i + 2 * count
-    Ra, ma, Ia = body_of(aux, index, i)
-    Rb, mb, Ib = body_of(aux, index, i + count)
+    Ra, ma, Ia, Rb, mb, Ib, scale = bodies_of(i, blocks, index, count, aux)
     ga = gather(manifolds, index, rows, s.NORMAL_A)
     gb = gather(manifolds, index, rows, s.NORMAL_B)
     gl = gather(manifolds, index, rows, s.GAP)
@@ -176,11 +204,6 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, sof
     gx = gather(manifolds, index, rows, s.SHIFT)
     gy = gather(manifolds, index, rows, s.ARM_B)
 
-    # everything in units of a mass of the pair's own, else mm and 100 m would not both fit into single precision
-    scale = 1.0 / greatest(ma + mb, TINY)
-    ma, mb = ma * scale, mb * scale
-    Ia, Ib = scaled(Ia, scale), scaled(Ib, scale)
-    store(blocks, o + s.B_SCALE, scale)
     h_scale = h / scale
 
     # the patch, from the loads of the last substep; an even load where there is none yet
@@ -286,17 +309,11 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, sof
     Ka, Ta = patch_matrix(ma, Ia, ra)
     Kb, Tb = patch_matrix(mb, Ib, rb)
     Kvv, Kwv, Kww = Ka + Kb, Ta + Tb, Ia + Ib
-    put3(blocks, o + s.B_ARM_A, ra)
-    put3(blocks, o + s.B_ARM_B, rb)
-    store(blocks, o + s.B_MASS_A, ma)
-    store(blocks, o + s.B_MASS_B, mb)
-    put6(blocks, o + s.B_INERTIA_A, Sym3(Ia.xx, Ia.xy, Ia.xz, Ia.yy, Ia.yz, Ia.zz))
-    put6(blocks, o + s.B_INERTIA_B, Sym3(Ib.xx, Ib.xy, Ib.xz, Ib.yy, Ib.yz, Ib.zz))
-    put6(blocks, o + s.B_KVV, Sym3(Kvv.xx, Kvv.xy, Kvv.xz, Kvv.yy, Kvv.yz, Kvv.zz))
+    put_bodies(blocks, o, ra, rb, ma, mb, Ia, Ib, Kvv)
     put3(blocks, o + s.B_KWV, Vec3(Kwv.xx, Kwv.xy, Kwv.xz))
     put3(blocks, o + s.B_KWV + 3, Vec3(Kwv.yx, Kwv.yy, Kwv.yz))
     put3(blocks, o + s.B_KWV + 6, Vec3(Kwv.zx, Kwv.zy, Kwv.zz))
-    put6(blocks, o + s.B_KWW, Sym3(Kww.xx, Kww.xy, Kww.xz, Kww.yy, Kww.yz, Kww.zz))
+    put6(blocks, o + s.B_KWW, upper(Kww))
 
     # the normals' matrix, its compliance and its inverse
     normal_part = (Kvv.xx, Kwv.yx, Kwv.zx, Kww.yy, Kww.yz, Kww.zz)

@@ -39,18 +39,30 @@ def stays_open(blocks, o, v, w, x, y, aim, near, h, cold, counts, rolls):
     idle = (v.x + y.a * w.y - x.a * w.z <= aim.a) & (v.x + y.b * w.y - x.b * w.z <= aim.b)
     idle = idle & (v.x + y.c * w.y - x.c * w.z <= aim.c) & (v.x + y.d * w.y - x.d * w.z <= aim.d)
     if counts:
-        nobody = load(blocks, o + s.B_MASS_A) + load(blocks, o + s.B_MASS_B) <= 0.0
-        slides = load(blocks, o + s.B_STATE) > 0.5
-        idle = idle & (nobody | (slides & (size_of(load(blocks, o + s.B_OVER)) <= 0.0)))
+        idle = idle & keeps_state(blocks, o)
     if not all_of(idle):
         return False
-    zero = v.x - v.x
+    px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
+    leave_open(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm), h, cold, counts)
+    return True
+
+
+@jit
+def keeps_state(blocks, o):
+    """Whether manifolds without a load go on as they are: they slide and owe nothing, or are nobody's."""
+    nobody = load(blocks, o + s.B_MASS_A) + load(blocks, o + s.B_MASS_B) <= 0.0
+    slides = load(blocks, o + s.B_STATE) > 0.5
+    return nobody | (slides & (size_of(load(blocks, o + s.B_OVER)) <= 0.0))
+
+
+@jit
+def leave_open(blocks, o, slip, h, cold, counts):
+    """Write what a pass over open manifolds would; ``slip``: without that of belts."""
+    zero = slip.x - slip.x
     if cold:
         store(blocks, o + s.B_MISS, zero)
     if counts:
         belt = belt_now(blocks, o, h)
-        px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
         put3(blocks, o + s.B_BELT, belt)
-        put3(blocks, o + s.B_SLIP, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt)
+        put3(blocks, o + s.B_SLIP, slip + belt)
         store(blocks, o + s.B_LEFT, zero)
-    return True

@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.friction.coulomb import limited_impulse
-from stiction.core.friction.patch import Sym3
 from stiction.core.jit import jit
 from stiction.core.lanes import all_of, any_of, gather, greatest, least, load, select, size_of, splat, sqrt, store
-from stiction.core.solve.blocks import TINY, body_of, get3, get6, patch_matrix, put3, put6, scaled, vectors_of
-from stiction.core.solve.idle import belt_now
+from stiction.core.solve.blocks import TINY, bodies_of, get3, get6, patch_matrix, put3, put_bodies, vectors_of
+from stiction.core.solve.idle import belt_now, keeps_state, leave_open
 from stiction.core.solve.soft import (
     BEYOND_DOUBT,
     GRACE,
@@ -29,6 +28,7 @@ from stiction.core.solve.soft import (
     dynamic_now,
     frame_of,
     has_error,
+    keep_friction,
     lent,
     push_bodies,
     twist_of,
@@ -42,8 +42,7 @@ def prepare_points(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_
     """Fill block i, as :func:`stiction.core.solve.blocks.prepare_block` does for faces."""
     o = i * s.FIELDS
     rows = i + 2 * count
-    Ra, ma, Ia = body_of(aux, index, i)
-    _, mb, Ib = body_of(aux, index, i + count)
+    Ra, ma, Ia, _, mb, Ib, scale = bodies_of(i, blocks, index, count, aux)
     ga = gather(manifolds, index, rows, s.NORMAL_A)
     gb = gather(manifolds, index, rows, s.NORMAL_B)
     gl = gather(manifolds, index, rows, s.GAP)
@@ -52,9 +51,6 @@ def prepare_points(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_
     gx = gather(manifolds, index, rows, s.SHIFT)
     gy = gather(manifolds, index, rows, s.ARM_B)
 
-    scale = 1.0 / greatest(ma + mb, TINY)
-    ma, mb = ma * scale, mb * scale
-    Ia, Ib = scaled(Ia, scale), scaled(Ib, scale)
     h_scale = h / scale
     zero, one = splat(blocks, 0.0), splat(blocks, 1.0)
     here = select(gm[6] > 0.5, one, zero)
@@ -70,13 +66,7 @@ def prepare_points(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_
     K = Ka + Kb
     put3(blocks, o + s.B_NORMAL, n)
     put3(blocks, o + s.B_TANGENT, u)
-    put3(blocks, o + s.B_ARM_A, ra)
-    put3(blocks, o + s.B_ARM_B, rb)
-    store(blocks, o + s.B_MASS_A, ma)
-    store(blocks, o + s.B_MASS_B, mb)
-    put6(blocks, o + s.B_INERTIA_A, Sym3(Ia.xx, Ia.xy, Ia.xz, Ia.yy, Ia.yz, Ia.zz))
-    put6(blocks, o + s.B_INERTIA_B, Sym3(Ib.xx, Ib.xy, Ib.xz, Ib.yy, Ib.yz, Ib.zz))
-    put6(blocks, o + s.B_KVV, Sym3(K.xx, K.xy, K.xz, K.yy, K.yz, K.zz))
+    put_bodies(blocks, o, ra, rb, ma, mb, Ia, Ib, K)
 
     # where nobody moves, as in a lane that is left over, K is zero
     nobody = select(K.xx > 0.0, zero, one)
@@ -93,7 +83,6 @@ def prepare_points(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_
     store(blocks, o + s.B_BETA, select(fixed, beta_stiff, one * beta))
     store(blocks, o + s.B_RIGID, 1.0 / greatest(K.xx, TINY))
 
-    store(blocks, o + s.B_SCALE, scale)
     store(blocks, o + s.B_MU_S, ga[6])
     store(blocks, o + s.B_MU_D, ga[7])
     store(blocks, o + s.B_STATE, gb[6])
@@ -229,7 +218,8 @@ def solve_points(i, blocks, index, count, rows, h, cold, counts):
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
         decide_state(blocks, o, sliding, inside, excess)
-        keep_sums_of_points(blocks, o, lam, pull, Vec3(v.y + belt.x, v.z + belt.y, zero), sliding)
+        store(blocks, o + s.B_TOTAL_LOAD, load(blocks, o + s.B_TOTAL_LOAD) + lam)
+        keep_friction(blocks, o, pull, Vec3(v.y + belt.x, v.z + belt.y, zero), sliding)
     force, torque = Vec3(lam - lam0, du, dv), Vec3(zero, zero, zero)
     push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque)
 
@@ -252,17 +242,6 @@ def _limited(K, v, belt, pull, limit):
 
 
 @jit
-def keep_sums_of_points(blocks, o, lam, pull, slip, sliding):
-    """Impulses of the step so far, and what friction took where it slides: its impulse times the mean slip."""
-    store(blocks, o + s.B_TOTAL_LOAD, load(blocks, o + s.B_TOTAL_LOAD) + lam)
-    put3(blocks, o + s.B_TOTAL_PULL, get3(blocks, o + s.B_TOTAL_PULL) + pull)
-    work = load(blocks, o + s.B_WORK)
-    before = get3(blocks, o + s.B_SLIP)
-    store(blocks, o + s.B_WORK, select(sliding, work + dot(pull, before + slip) * 0.5, work))
-    put3(blocks, o + s.B_SLIP, slip)
-
-
-@jit
 def points_stay_open(blocks, o, v, aim, near, h, cold, counts):
     """:func:`stiction.core.solve.idle.stays_open` for points."""
     if any_of(near):
@@ -270,19 +249,10 @@ def points_stay_open(blocks, o, v, aim, near, h, cold, counts):
     pull = get3(blocks, o + s.B_PULL)
     idle = (load(blocks, o + s.B_LOAD) + size_of(pull.x) + size_of(pull.y) <= 0.0) & (v.x <= aim)
     if counts:
-        nobody = load(blocks, o + s.B_MASS_A) + load(blocks, o + s.B_MASS_B) <= 0.0
-        slides = load(blocks, o + s.B_STATE) > 0.5
-        idle = idle & (nobody | (slides & (size_of(load(blocks, o + s.B_OVER)) <= 0.0)))
+        idle = idle & keeps_state(blocks, o)
     if not all_of(idle):
         return False
-    zero = v.x - v.x
-    if cold:
-        store(blocks, o + s.B_MISS, zero)
-    if counts:
-        belt = belt_now(blocks, o, h)
-        put3(blocks, o + s.B_BELT, belt)
-        put3(blocks, o + s.B_SLIP, Vec3(v.y + belt.x, v.z + belt.y, zero))
-        store(blocks, o + s.B_LEFT, zero)
+    leave_open(blocks, o, Vec3(v.y, v.z, v.x - v.x), h, cold, counts)
     return True
 
 

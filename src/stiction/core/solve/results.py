@@ -32,12 +32,17 @@ def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers
             if row > 0 and not failed[world]:
                 slid = manifolds[row, s.STATE] == s.SLIDING or blocks[o + s.B_STATE, lane] == s.SLIDING
                 scale = blocks[o + s.B_SCALE, lane] * 1.0
-                friction, rolling = blocks[o + s.B_WORK, lane] * scale, 0.0 * scale
+                friction, rolling = blocks[o + s.B_WORK, lane] * scale, 0.0
                 if points:
                     store_point(blocks, o, lane, manifolds, reports, row, scale, scale / h, part)
                 else:
                     store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws)
                     rolling = blocks[o + s.B_ROLLED, lane] * scale
+                manifolds[row, s.STATE], manifolds[row, s.OVER] = (
+                    blocks[o + s.B_STATE, lane],
+                    blocks[o + s.B_OVER, lane],
+                )
+                manifolds[row, s.LEFT], manifolds[row, s.FRESH] = blocks[o + s.B_LEFT, lane], s.OLD
                 ledgers[LEDGER_WIDTH * world + FRICTION] += friction
                 ledgers[LEDGER_WIDTH * world + ROLLING_LOSS] += rolling
                 if slid or rolling > 0.0:
@@ -70,12 +75,9 @@ def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws
     fu, fv = fu * scale, fv * scale
     put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
     reports[row, s.TOTAL_TWIST] = blocks[o + s.B_TOTAL_PULL + 2, lane] * (arm * scale) + px * fv - py * fu
-    manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
     c, sn = blocks[o + s.B_TURN, lane], blocks[o + s.B_TURN + 1, lane]
     roll_u, roll_v = blocks[o + s.B_ROLL, lane] * rate, blocks[o + s.B_ROLL + 1, lane] * rate
     manifolds[row, s.ROLL], manifolds[row, s.ROLL + 1] = c * roll_u - sn * roll_v, sn * roll_u + c * roll_v
-    manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
-    manifolds[row, s.FRESH] = 0.0
 
 
 @jit
@@ -91,9 +93,6 @@ def store_point(blocks, o, lane, manifolds, reports, row, scale, rate, part):
     put_vec3(reports, row, s.TOTAL_PULL, u * fu + v * fv)
     manifolds[row, s.SPIN] = reports[row, s.TOTAL_TWIST] = 0.0
     manifolds[row, s.ROLL] = manifolds[row, s.ROLL + 1] = 0.0
-    manifolds[row, s.STATE], manifolds[row, s.OVER] = blocks[o + s.B_STATE, lane], blocks[o + s.B_OVER, lane]
-    manifolds[row, s.LEFT] = blocks[o + s.B_LEFT, lane]
-    manifolds[row, s.FRESH] = 0.0
 
 
 @jit

@@ -484,6 +484,12 @@ def keep_sums(blocks, o, net, pull, slip, sliding):
     the mean slip."""
     total = get4(blocks, o + s.B_TOTAL_LOAD)
     put4(blocks, o + s.B_TOTAL_LOAD, Four(total.a + net.a, total.b + net.b, total.c + net.c, total.d + net.d))
+    keep_friction(blocks, o, pull, slip, sliding)
+
+
+@jit
+def keep_friction(blocks, o, pull, slip, sliding):
+    """The part of :func:`keep_sums` that is friction's."""
     put3(blocks, o + s.B_TOTAL_PULL, get3(blocks, o + s.B_TOTAL_PULL) + pull)
     before = get3(blocks, o + s.B_SLIP)
     work = load(blocks, o + s.B_WORK)
