@@ -23,8 +23,8 @@ Snapshot = dict[str, NDArray[Any]]
 
 SCRATCH = {
     "contacts", "tags", "points", "soft.blocks", "soft.members", "soft.rows", "soft.aux", "soft.pose", "desk.active",
-    "desk.lists", "desk.normals", "desk.sizes", "desk.notes", "desk.failed", "desk.contacts", "desk.tags",
-    "desk.points",
+    "desk.lists", "desk.normals", "desk.ordered", "desk.pieces", "desk.sizes", "desk.notes", "desk.failed",
+    "desk.contacts", "desk.tags", "desk.points",
 }  # fmt: skip
 """Arrays that a step fills before it reads them: of these a snapshot keeps the shape alone. The rows of contact points
 are so in the soft solver only, which has manifolds besides; ``micro`` has nothing else to answer with."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stiction.core import pairs as p
 from stiction.core import (
+    pieces,
     questions,
     removal,
     soft_book,
@@ -159,11 +160,19 @@ class SoftStore(Store):
             return 0.0
         laws = (self.kinds, self._table, self.soft.grain) if self._needs[1].laws else None
         substeps = settings.substeps * (2 if self.scratch.counts[soft_scratch.HARD] and not self.rigid else 1)
-        return float(
-            exact.measure_miss(
-                self.soft.blocks, self.soft.members, blocks, self.soft.rows, settings.dt / substeps, laws
+        h, soft, counts = settings.dt / substeps, self.soft, self.desk.pieces[:, pieces.BLOCKS]
+        if counts[0] == blocks:
+            return float(exact.measure_miss(soft.blocks, soft.members, blocks, soft.rows, h, laws))
+        ends = counts.cumsum()
+        misses = []
+        for end, count in zip(ends[ends <= blocks].tolist(), counts.tolist(), strict=False):
+            own = soft_rows.members_from(soft, end - count)
+            misses.append(
+                exact.measure_miss_again(
+                    own.blocks, own.members, count, own.manifolds, own.corners, own.rows, own.aux, h, substeps
+                )
             )
-        )
+        return max(misses)
 
     def _take(self, steps: int, settings: state.Settings, table: Array) -> Any:
         """Call the kernel: how many steps it took, its reason to return, and a number that goes with the reason."""

@@ -53,17 +53,18 @@ def ask_for_row(rows, i, width, line):
 
 
 @jit
-def ask_for_block(index, i, count, rows, width):
-    """The rows of the manifolds of block i, if there is one, of ``count``."""
-    if i < count and count * LANES > MANY:
+def ask_for_block(index, i, count, rows, width, many):
+    """The rows of the manifolds of block i, if there is one, of ``count``, where these rows are ``many``."""
+    if i < count and many > MANY:
         for lane in range(LANES):
             ask_for_row(rows, index[i + 2 * count, lane], width, SINGLE)
 
 
 @jit
-def ask_for_bodies(index, i, count, rows, k):
-    """Column k of the rows of both bodies of the manifolds of block i, if there is one, of ``count``."""
-    if i < count and count * LANES > MANY:
+def ask_for_bodies(index, i, count, rows, k, many):
+    """Column k of the rows of both bodies of the manifolds of block i, if there is one, of ``count``, where the
+    manifolds in question are ``many``."""
+    if i < count and many > MANY:
         for lane in range(LANES):
             ask_for(rows, index[i, lane], k)
             ask_for(rows, index[i + count, lane], k)

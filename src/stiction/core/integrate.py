@@ -62,6 +62,9 @@ from stiction.core.vec import (
 
 FAST = 1.2
 """rad: a body that turns by less than twice that in a step turns by the right angle about a changing axis."""
+ROOT = 1e-8
+"""A step of Newton's method, of what it improves, after which the next one would change nothing: it goes with the
+square."""
 MEAN_TOLERANCE = 1e-7
 """m: a contact may be carried that far into the other body by moving with the mean velocity."""
 
@@ -125,7 +128,8 @@ def euler(inertia, w0, dt):
     Integration", IV.2.1), so a free top neither loses nor gains energy. Newton's method, usually two or three steps.
     """
     momentum = inertia @ w0
-    if length(cross(w0, momentum)) <= 1e-14 * length(w0) * length(momentum):
+    torque = cross(w0, momentum)
+    if dot(torque, torque) <= 1e-28 * dot(w0, w0) * dot(momentum, momentum):
         return w0, False
     w1 = step = w0
     for _ in range(10):
@@ -137,10 +141,10 @@ def euler(inertia, w0, dt):
         J = inertia + skew(middle * half) @ inertia + -skew(spin * half)
         step = inverse(J) @ f
         w1 = w1 - step
-        if length(step) <= 1e-15 * length(w1):
+        if dot(step, step) <= ROOT * ROOT * dot(w1, w1):
             break
     # of many turns a step Newton may not find the root; to turn on about the same axis keeps both invariants as well
-    if length(step) <= 1e-9 * length(w1):
+    if dot(step, step) <= ROOT * ROOT * dot(w1, w1):
         return w1, True
     return w0, False
 

@@ -136,7 +136,10 @@ def soft_of_all(book, w, worlds, place, one):
 def scratch_at(book, w):
     """What a world remembers."""
     k = SCRATCH
-    return Scratch(matrix_at(book, k, w, 0), vector_at(book, k + 1, w, 0), vector_at(book, k + 2, w, 0.0))
+    return Scratch(
+        matrix_at(book, k, w, 0), vector_at(book, k + 1, w, 0), vector_at(book, k + 2, w, 0.0),
+        vector_at(book, k + 3, w, 0.0),
+    )  # fmt: skip
 
 
 @inlined
@@ -145,9 +148,9 @@ def desk_at(book):
     k = DESK
     return Desk(
         matrix_at(book, k, 0, 0), matrix_at(book, k + 1, 0, 0),
-        matrix_at(book, k + 2, 0, 0.0), vector_at(book, k + 3, 0, 0),
-        matrix_at(book, k + 4, 0, 0), vector_at(book, k + 5, 0, 0),
-        matrix_at(book, k + 6, 0, 0.0), matrix_at(book, k + 7, 0, 0), matrix_at(book, k + 8, 0, 0.0),
+        matrix_at(book, k + 2, 0, 0.0), matrix_at(book, k + 3, 0, 0), matrix_at(book, k + 4, 0, 0),
+        matrix_at(book, k + 5, 0, 0), matrix_at(book, k + 6, 0, 0), vector_at(book, k + 7, 0, 0),
+        matrix_at(book, k + 8, 0, 0.0), matrix_at(book, k + 9, 0, 0), matrix_at(book, k + 10, 0, 0.0),
     )  # fmt: skip
 
 

@@ -2,14 +2,34 @@
 
 from __future__ import annotations
 
+import math
+
 from stiction.core.integrate import keep_body
 from stiction.core.jit import jit
 from stiction.core.manifolds import EDITED_MOTION
 from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, is_sensed, touch_body
 from stiction.core.sleep import wake_island
 from stiction.core.soft_bodies import begin_body
-from stiction.core.soft_scratch import EDITED, N_EDITED, N_KNOWN, STALE, WATCHED
-from stiction.core.state import ASLEEP, FORCE, LAST, MOBILITY, MOTION, POSITION, STATIC, TORQUE, V
+from stiction.core.soft_scratch import EDITED, N_EDITED, N_KNOWN, N_LAST, STALE, WATCHED
+from stiction.core.state import ASLEEP, FORCE, INITIAL, LAST, MOBILITY, MOTION, POSITION, STATIC, TORQUE, V
+
+
+@jit
+def is_touched(bodies, kinds, n, counts, pull, gravity, ledger):
+    """Whether anything may have been changed from outside since the last call, which ended with n bodies in a field
+    ``pull``: else energies are what they were, and nobody has to wake.
+
+    Where views of the state have been handed out, that is a look at all bodies.
+    """
+    if counts[N_EDITED] > 0 or counts[N_KNOWN] < n or counts[N_LAST] != n or math.isnan(ledger[INITIAL]):
+        return True
+    if pull[0] != gravity.x or pull[1] != gravity.y or pull[2] != gravity.z:
+        return True
+    if counts[WATCHED]:
+        for i in range(n):
+            if was_changed(bodies, i) or (kinds[i, ASLEEP] and is_pushed(bodies, i)):
+                return True
+    return False
 
 
 @jit

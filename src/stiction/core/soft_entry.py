@@ -7,7 +7,7 @@ from stiction.core.parts import Crew, Number, Table
 from stiction.core.soft_book import part_at
 from stiction.core.soft_parts import FIND_PART, SOLVE_PART, call_find, call_solve
 from stiction.core.soft_step import take_steps
-from stiction.core.team import COUNT, FIND, HOME, JOB, MOVING_BODIES, SUBSTEPS, call, meet
+from stiction.core.team import COUNT, FIND, HOME, JOB, MANY, SUBSTEPS, call, meet
 
 
 @entry
@@ -45,7 +45,7 @@ def assist(book: Table, one: Number, team: Crew, worker: int) -> int:
             h, fresh = numbers[0], int(numbers[1])
             call_solve(
                 part_at(book, SOLVE_PART),
-                (book, 0, 1, 0, words[COUNT], words[MOVING_BODIES], h, words[SUBSTEPS], fresh, one, team, worker),
+                (book, 0, 1, 0, words[COUNT], words[MANY], h, words[SUBSTEPS], fresh, one, team, worker),
             )
 
 

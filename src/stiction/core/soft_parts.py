@@ -11,6 +11,7 @@ from stiction.core.friction.laws import laws_of
 from stiction.core.jit import part
 from stiction.core.pairs import update_pairs
 from stiction.core.parts import Crew, Number, Switch, Table, caller
+from stiction.core.pieces import BLOCK, BLOCKS, MOVER, MOVERS
 from stiction.core.soft_book import (
     bounces_at,
     cache_at,
@@ -23,6 +24,7 @@ from stiction.core.soft_book import (
     soft_of_all,
     tree_at,
 )
+from stiction.core.soft_rows import members_from
 from stiction.core.soft_scratch import AWAKE, GLIDE, MOVING
 from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
 from stiction.core.solve.exact import exact_of
@@ -63,15 +65,18 @@ def find(
 
 @part
 def solve(
-    book: Table, w: int, worlds: int, place: int, blocks: int, moving: int, h: float, substeps: int, fresh: int,
+    book: Table, w: int, worlds: int, place: int, piece: int, many: int, h: float, substeps: int, fresh: int,
     one: Number, team: Crew, worker: int, rolls: Switch, laws: Switch, exact: Switch,
 ) -> int:  # fmt: skip
-    """:func:`stiction.core.solve.passes.run_passes` over the blocks of so many worlds from w on."""
+    """:func:`stiction.core.solve.passes.run_passes` over the blocks of a piece of so many worlds from w on, which have
+    ``many`` manifolds."""
     _, kinds, table, _, profile, settings = rows_of(book, w)
-    soft, desk = soft_of_all(book, w, worlds, place, one), desk_at(book)
+    desk, laws = desk_at(book), laws_of(laws, kinds, table, soft_of_all(book, w, worlds, place, one))
+    here = desk.pieces[piece]
     run_passes(
-        soft, desk.lists[MOVING], desk.lists[GLIDE], desk.normals, desk.sizes, blocks, moving, h, substeps, fresh,
-        profile, rolls, laws_of(laws, kinds, table, soft), exact_of(exact, settings, scratch_at(book, w)), team, worker,
+        members_from(soft_of_all(book, w, worlds, place, one), here[BLOCK]), desk.lists[MOVING, here[MOVER] :],
+        desk.lists[GLIDE], desk.normals, desk.sizes[piece], here[BLOCKS], many, here[MOVERS], h, substeps, fresh,
+        profile, rolls, laws, exact_of(exact, settings, scratch_at(book, w)), team, worker,
     )  # fmt: skip
     return 0
 

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 from stiction.core.memory import zeros
 
@@ -152,6 +153,15 @@ class Soft(NamedTuple):
     pose: np.ndarray  # (n + 1, POSE_WIDTH) float64
     corners: np.ndarray  # (p + 1, CORNERS_WIDTH)
     grain: np.ndarray  # (n + 1, 3) float64, direction of the surface in the shape's axes, or zero
+
+
+@jit
+def members_from(soft, first):
+    """The same arrays, whose blocks have the members that begin with those of block ``first``."""
+    return Soft(
+        soft.manifolds, soft.meta, soft.reports, soft.blocks, soft.members[first * MEMBERS :], soft.rows, soft.aux,
+        soft.pose, soft.corners, soft.grain,
+    )  # fmt: skip
 
 
 def make_soft(n: int, p: int, dtype: type = np.float32) -> Soft:

@@ -12,16 +12,18 @@ import numpy as np
 
 from stiction.core.colouring import GROUPS, WAYS
 from stiction.core.memory import zeros
+from stiction.core.pieces import PIECE_WIDTH, room_for_pieces
 from stiction.core.solve.exact import TALLY
 from stiction.core.state import CONTACT_WIDTH, SCRATCH, TAGS_WIDTH
 
 AWAKE, EDITED, BODY_LISTS = range(3)
 """Rows of the lists of bodies that a world keeps: those awake, and those that were changed from outside."""
 
-N_AWAKE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, BLOCKS, COUNTS = range(9)
+N_AWAKE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, BLOCKS, N_LAST, UNCUT, COUNTS = range(11)
 """Entries of the counts: bodies awake, bodies changed from outside, bodies seen before; whether the list of those awake
 is out of date; steps so far; whether bodies that sleep may have been changed without a word; whether a light body
-carries a heavy one; blocks of the last step."""
+carries a heavy one; blocks of the last step; bodies at the end of the last call; steps until islands are looked for
+again."""
 
 TOUCHING, MOVING, MARK, GLIDE, USED, GROUP, RESTLESS, LISTS = range(8)
 """Rows of the lists on a desk: the bodies in contact, by world; the rows of those of them that move; a mark for each
@@ -47,6 +49,7 @@ class Scratch(NamedTuple):
     bodies: np.ndarray  # (BODY_LISTS, n) int64
     counts: np.ndarray  # (COUNTS,) int64
     tally: np.ndarray  # (TALLY,) of the exact solver
+    pull: np.ndarray  # (3,) gravity at the end of the last call, m/s^2
 
 
 class Desk(NamedTuple):
@@ -57,7 +60,9 @@ class Desk(NamedTuple):
     normals: (
         np.ndarray
     )  # (worlds x (n + 1), 3) of the plane in which a row glides, or the acceleration with which it falls
-    sizes: np.ndarray  # ((1 + WAYS) GROUPS,) int64: manifolds of each group, and where those begin that did alike
+    ordered: np.ndarray  # (p, 4) int64, scratch: active manifolds in the order of their pieces
+    pieces: np.ndarray  # (pieces, PIECE_WIDTH) int64 (pieces.py)
+    sizes: np.ndarray  # (pieces, (1 + WAYS) GROUPS) int64: manifolds of each group; where those begin that did alike
     notes: np.ndarray  # (worlds, NOTES) int64
     failed: np.ndarray  # (worlds,) int64: whether a body's state would not be finite
     contacts: np.ndarray  # scratch of one pair
@@ -67,18 +72,21 @@ class Desk(NamedTuple):
 
 def make_scratch(n: int) -> Scratch:
     """Room for n bodies."""
-    scratch = Scratch(np.zeros((BODY_LISTS, n), np.int64), np.zeros(COUNTS, np.int64), np.zeros(TALLY))
+    scratch = Scratch(np.zeros((BODY_LISTS, n), np.int64), np.zeros(COUNTS, np.int64), np.zeros(TALLY), np.zeros(3))
     scratch.counts[STALE] = 1
     return scratch
 
 
 def make_desk(n: int, p: int, worlds: int = 1, fill: int = NEVER) -> Desk:
-    """Room for so many worlds of n bodies and p pairs."""
+    """Room for so many worlds of n bodies and p pairs; only one that is alone is cut into pieces."""
+    pieces = room_for_pieces(p) if worlds == 1 else 1
     desk = Desk(
         active=zeros((worlds * p, 4), np.int64),
         lists=zeros((LISTS, worlds * (n + 1)), np.int64),
         normals=zeros((worlds * (n + 1), 3)),
-        sizes=np.zeros((1 + WAYS) * GROUPS, np.int64),
+        ordered=zeros((p if pieces > 1 else 1, 4), np.int64),
+        pieces=np.zeros((pieces, PIECE_WIDTH), np.int64),
+        sizes=np.zeros((pieces, (1 + WAYS) * GROUPS), np.int64),
         notes=np.zeros((worlds, NOTES), np.int64),
         failed=np.zeros(worlds, np.int64),
         contacts=np.zeros((PAIR_CONTACTS, CONTACT_WIDTH)),

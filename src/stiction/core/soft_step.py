@@ -25,6 +25,8 @@ from stiction.core.jit import jit
 from stiction.core.ledger import note_edits, total_energy
 from stiction.core.manifolds import clear_manifold, drive_work
 from stiction.core.pairs import BEGUN, SLOT
+from stiction.core.pieces import BLOCK, COUNT, FIRST, MOVER, MOVERS, PIECE, UNCUT_FOR, cut
+from stiction.core.pieces import BLOCKS as BLOCKS_HERE
 from stiction.core.sleep import PERIOD, put_to_sleep
 from stiction.core.soft_book import (
     LEDGER,
@@ -38,7 +40,7 @@ from stiction.core.soft_book import (
     soft_at,
     soft_of_all,
 )
-from stiction.core.soft_edits import take_edits
+from stiction.core.soft_edits import is_touched, take_edits
 from stiction.core.soft_lists import (
     begin_bodies,
     begin_others,
@@ -66,6 +68,7 @@ from stiction.core.soft_parts import (
     call_pairs,
     call_solve,
 )
+from stiction.core.soft_rows import members_from
 from stiction.core.soft_scratch import (
     ACTIVE,
     ALWAYS,
@@ -81,6 +84,7 @@ from stiction.core.soft_scratch import (
     MARK,
     MOVING,
     N_AWAKE,
+    N_LAST,
     NEVER,
     PLACE,
     RESTLESS,
@@ -91,6 +95,7 @@ from stiction.core.soft_scratch import (
     TAKING_PART,
     TOUCH,
     TOUCHING,
+    UNCUT,
     USED,
 )
 from stiction.core.solve.results import store_blocks
@@ -126,7 +131,7 @@ def take_steps(steps, n, book, first, last, outcomes, one, bounces, laws, exact,
     """
     notes, worlds = desk_at(book).notes, last - first
     going = 0
-    places = desk_at(book).lists.shape[1] // notes.shape[0]
+    places = places_of(desk_at(book))
     points = not (laws or exact)  # laws and the exact solver know only faces
     for k in range(worlds):
         notes[k, PLACE] = k * places
@@ -159,6 +164,10 @@ def begin_call(steps, n, book, w, note, outcomes, one):
         return 0
     bodies, kinds, _, ledger, _, settings = rows_of(book, w)
     scratch, soft = scratch_at(book, w), soft_at(book, w, note[PLACE], one)
+    outcomes[w, REASON], outcomes[w, NUMBER] = GOES, 0
+    gravity = gravity_of(settings)
+    if not is_touched(bodies, kinds, n, scratch.counts, scratch.pull, gravity, ledger):
+        return 1
     broken = first_not_finite(bodies, n)
     if broken >= 0:
         for i in range(n):
@@ -166,13 +175,11 @@ def begin_call(steps, n, book, w, note, outcomes, one):
                 restore_body(bodies, i)
         outcomes[w, REASON], outcomes[w, NUMBER] = BLOWN_UP, broken
         return 0
-    gravity = gravity_of(settings)
     note_edits(bodies, n, gravity, ledger)
     take_edits(
         bodies, kinds, n, cache_at(book, w), soft.pose, soft.rows, soft.aux, scratch.bodies, scratch.counts,
         desk_at(book).lists[RESTLESS], gravity, length(gravity), settings.dt, settings.dt / settings.substeps,
     )  # fmt: skip
-    outcomes[w, REASON], outcomes[w, NUMBER] = GOES, 0
     return 1
 
 
@@ -238,79 +245,152 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, po
     """The second half of a step of those of so many worlds from ``first`` on that wait."""
     _, _, _, _, profile, settings = rows_of(book, first)
     desk, soft, dt = desk_at(book), soft_of_all(book, first, worlds, notes[0, PLACE], one), settings.dt
-    places, pairs = desk.lists.shape[1] // desk.notes.shape[0], soft.manifolds.shape[0] // worlds
-
-    # blocks
-    sizes, starts = desk.sizes[:GROUPS], desk.sizes[GROUPS:]
-    forget_colours(sizes, starts)
-    substeps, fresh = 0, NOTHING_NEW
+    substeps, fresh, many = 0, NOTHING_NEW, 0
     for j in range(worlds):
         if notes[j, ROLE] == WAITS:
             substeps, fresh = notes[j, SUBSTEPS], notes[j, FRESH]
-            active = desk.active[notes[j, FROM] :]
-            kinds_here = rows_of(book, first + j).kinds
-            colour_manifolds(active, notes[j, ACTIVE], kinds_here, desk.lists[USED], sizes, starts, points)
+            many += notes[j, ACTIVE]
     if substeps == 0:
         return
-    blocks = count_blocks(sizes)
-    if s.MEMBERS * blocks > soft.members.shape[0] or blocks * s.FIELDS > soft.blocks.shape[0]:
+    h = dt / substeps
+
+    # blocks
+    pieces = 1
+    counts = scratch_at(book, first).counts
+    if counts[UNCUT] > 0:
+        counts[UNCUT] -= 1
+    elif worlds == 1 and many > PIECE and points and fresh == NOTHING_NEW and desk.pieces.shape[0] > 1:
+        pieces = cut(
+            rows_of(book, first).kinds, n, desk.active, many, desk.lists[GROUP], desk.lists[RESTLESS], desk.ordered,
+            desk.pieces,
+        )  # fmt: skip
+        counts[UNCUT] = UNCUT_FOR if pieces == 1 else 0
+    blocks = 0
+    for piece in range(pieces):
+        blocks += colour_piece(book, first, worlds, notes, piece, pieces, blocks, points)
+    if s.MEMBERS * blocks > soft.members.shape[0] or s.FIELDS * blocks > soft.blocks.shape[0]:
         for j in range(worlds):
             if notes[j, ROLE] == WAITS:
                 stop(n, book, first + j, outcomes, MORE_BLOCKS, blocks)
         return
-    empty_blocks(sizes, starts, soft.members, blocks)
     for k in range(s.ROW_WIDTH):
         soft.rows[0, k] = 0.0
-
-    # impacts, and how bodies move
-    moving, h = 0, dt / substeps
-    for j in range(worlds):
-        if notes[j, ROLE] == WAITS:
-            active = desk.active[notes[j, FROM] :]
-            fill_blocks(active, notes[j, ACTIVE], starts, soft.members, blocks, j, places, pairs)
-            moving += begin_passes(book, first + j, n, j * places, moving, notes[j], one, bounces, h)
-            scratch_at(book, first + j).counts[BLOCKS] = blocks
-    lap(profile, 3)
-
-    if blocks > 0:
-        call(team, SOLVE, blocks, moving, substeps, h, fresh)
-        call_solve(
-            part_at(book, SOLVE_PART),
-            (book, first, worlds, notes[0, PLACE], blocks, moving, h, substeps, fresh, one, team, 0),
-        )
 
     for j in range(worlds):
         desk.failed[j] = 0
         if notes[j, ROLE] == WAITS:
-            desk.failed[j] = fails(book, first + j, n, j * places, notes[j], outcomes, one, h)
-    store_blocks(
-        soft.blocks, soft.members, blocks, soft.manifolds, soft.reports, soft.aux, h, dt / SETTLING,
-        entries_at(book, LEDGER, first, worlds, 0.0), desk.failed, laws,
-    )  # fmt: skip
+            notes[j, TOUCH] = 0
+            scratch_at(book, first + j).counts[BLOCKS] = blocks
+            if bounces:
+                resolve_impacts(book, first + j, n, notes[j], one, h)
+
+    moving = 0
+    entries = entries_at(book, LEDGER, first, worlds, 0.0)
+    friction, rolling = entries[FRICTION], entries[ROLLING_LOSS]
+    for piece in range(pieces):
+        here = desk.pieces[piece]
+        own = members_from(soft, here[BLOCK])
+        moving = fill_piece(book, first, worlds, notes, own, piece, pieces, moving, one)
+        lap(profile, 3)
+        if here[BLOCKS_HERE] > 0:
+            call(team, SOLVE, piece, many, substeps, h, fresh)
+            call_solve(
+                part_at(book, SOLVE_PART),
+                (book, first, worlds, notes[0, PLACE], piece, many, h, substeps, fresh, one, team, 0),
+            )
+        if pieces == 1:
+            for j in range(worlds):
+                if notes[j, ROLE] == WAITS:
+                    desk.failed[j] = fails(book, first + j, n, j * places_of(desk), notes[j], outcomes, one, h)
+        store_blocks(
+            own.blocks, own.members, here[BLOCKS_HERE], soft.manifolds, soft.reports, soft.aux, h, dt / SETTLING,
+            entries, desk.failed, laws, many,
+        )  # fmt: skip
+    if pieces > 1 and fails(book, first, n, 0, notes[0], outcomes, one, h):
+        # manifolds keep what the solver found for them
+        desk.failed[0] = 1
+        entries[FRICTION], entries[ROLLING_LOSS] = friction, rolling
     for j in range(worlds):
         if notes[j, ROLE] == WAITS and desk.failed[j] == 0:
-            end_step(book, first + j, j * places, notes[j], outcomes, one, bounces)
+            end_step(book, first + j, j * places_of(desk), notes[j], outcomes, one, bounces)
 
 
 @jit
-def begin_passes(book, w, n, base, moving, note, one, bounces, h):
-    """Impacts, then the lists of who is in contact and who moves, from ``moving`` on; returns how many those are."""
+def places_of(desk):
+    """How many rows of bodies a world has on the desk."""
+    return desk.lists.shape[1] // desk.notes.shape[0]
+
+
+@jit
+def part_of(desk, notes, j, piece, pieces):
+    """Active manifolds of world j in a piece, and how many they are."""
+    if pieces > 1:
+        return desk.ordered[desk.pieces[piece, FIRST] :], desk.pieces[piece, COUNT]
+    return desk.active[notes[j, FROM] :], notes[j, ACTIVE]
+
+
+@jit
+def colour_piece(book, first, worlds, notes, piece, pieces, before, points):
+    """Give the manifolds of a piece their colours; returns how many blocks they fill, after so many ``before``."""
+    desk = desk_at(book)
+    sizes, starts = desk.sizes[piece, :GROUPS], desk.sizes[piece, GROUPS:]
+    forget_colours(sizes, starts)
+    for j in range(worlds):
+        if notes[j, ROLE] == WAITS:
+            active, count = part_of(desk, notes, j, piece, pieces)
+            colour_manifolds(
+                active, count, rows_of(book, first + j).kinds, desk.lists[USED], sizes, starts, points
+            )  # fmt: skip
+    blocks = count_blocks(sizes)
+    desk.pieces[piece, BLOCK], desk.pieces[piece, BLOCKS_HERE] = before, blocks
+    return blocks
+
+
+@jit
+def fill_piece(book, first, worlds, notes, soft, piece, pieces, moving, one):
+    """Who is in the blocks of a piece, and which bodies move with it, from ``moving`` on in their list; returns where
+    the next ones begin."""
+    desk, here = desk_at(book), desk_at(book).pieces[piece]
+    sizes, starts, blocks = desk.sizes[piece, :GROUPS], desk.sizes[piece, GROUPS:], here[BLOCKS_HERE]
+    places, pairs = places_of(desk), soft.manifolds.shape[0] // worlds
+    empty_blocks(sizes, starts, soft.members, blocks)
+    here[MOVER] = moving
+    for j in range(worlds):
+        if notes[j, ROLE] == WAITS:
+            active, count = part_of(desk, notes, j, piece, pieces)
+            fill_blocks(active, count, starts, soft.members, blocks, j, places, pairs)
+            moving += list_bodies(book, first + j, j * places, active, count, moving, notes[j], one)
+    here[MOVERS] = moving - here[MOVER]
+    return moving
+
+
+@jit
+def resolve_impacts(book, w, n, note, one, h):
+    """Impacts, which come before all contact that lasts."""
     bodies, kinds, _, _, _, settings = rows_of(book, w)
-    soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
-    gravity = gravity_of(settings)
-    if bounces and note[BOUNCING] > 0:
+    soft, scratch, gravity = soft_at(book, w, note[PLACE], one), scratch_at(book, w), gravity_of(settings)
+    if note[BOUNCING] > 0:
         call_impacts(part_at(book, IMPACTS_PART), (book, BOUNCE, w, n, note[PLACE], 0, note[BOUNCING], one))
         begin_bodies(
             bodies, kinds, scratch.bodies[AWAKE], note[TAKING_PART], soft.pose, soft.rows, soft.aux, gravity,
             length(gravity), settings.dt, h,
         )  # fmt: skip
-    touched, mark = desk.lists[TOUCHING, base:], desk.lists[MARK, base:]
+
+
+@jit
+def list_bodies(book, w, base, active, count, moving, note, one):
+    """List who is in contact by so many active manifolds, and who of those moves, from ``moving`` on; returns how many
+    these are."""
+    bodies, kinds, _, _, _, settings = rows_of(book, w)
+    soft, desk = soft_at(book, w, note[PLACE], one), desk_at(book)
+    touched, mark = desk.lists[TOUCHING, base + note[TOUCH] :], desk.lists[MARK, base:]
     glide, normals = desk.lists[GLIDE, base + 1 :], desk.normals[base + 1 :]
-    note[TOUCH] = list_touching(
-        kinds, soft.manifolds, soft.meta, soft.pose, desk.active[note[FROM] :], note[ACTIVE], touched, mark, glide,
-        normals,
+    touching = list_touching(
+        kinds, soft.manifolds, soft.meta, soft.pose, active, count, touched, mark, glide, normals
     )  # fmt: skip
-    return list_moving(bodies, kinds, touched, note[TOUCH], glide, normals, gravity, desk.lists[MOVING, moving:], base)
+    note[TOUCH] += touching
+    gravity, movers = gravity_of(settings), desk.lists[MOVING, moving:]
+    return list_moving(bodies, kinds, touched, touching, glide, normals, gravity, movers, base)
 
 
 @jit
@@ -381,9 +461,11 @@ def end_call(steps, n, book, w, outcomes):
 def stop(n, book, w, outcomes, reason, number):
     """End the call for a world: close its ledger, and remember the state of the bodies that are awake."""
     bodies, _, _, ledger, _, settings = rows_of(book, w)
-    scratch = scratch_at(book, w)
-    close_soft_ledger(bodies, n, gravity_of(settings), ledger)
+    scratch, gravity = scratch_at(book, w), gravity_of(settings)
+    close_soft_ledger(bodies, n, gravity, ledger)
     keep_states(bodies, scratch.bodies[AWAKE], scratch.counts[N_AWAKE])
+    scratch.counts[N_LAST] = n
+    scratch.pull[0], scratch.pull[1], scratch.pull[2] = gravity.x, gravity.y, gravity.z
     outcomes[w, REASON], outcomes[w, NUMBER] = reason, number
 
 

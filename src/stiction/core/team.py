@@ -24,10 +24,10 @@ intrinsic: Any = extending.intrinsic  # called with one argument less than it is
 LINE = 8
 """Words of a cache line: what threads write at the same time lies in lines of its own."""
 ARRIVED, TURN, NEXT = 0, LINE, 2 * LINE
-JOB, WORKERS, COUNT, MOVING_BODIES, SUBSTEPS = (3 * LINE + k for k in range(5))
+JOB, WORKERS, COUNT, MANY, SUBSTEPS = (3 * LINE + k for k in range(5))
 WORDS = 4 * LINE
 """Words: workers that wait at the barrier; how often it has opened; the next piece of the job that nobody has taken;
-what to do; number of workers; of pieces of the job; of bodies that move; of substeps."""
+what to do; number of workers; of pieces of the job, or which piece of the world; of manifolds; of substeps."""
 
 HOME, SOLVE, FIND = range(3)
 """Jobs: go home, take part in the passes of the solver, take part in finding manifolds."""
@@ -120,11 +120,11 @@ def meet(team):
 
 
 @jit
-def call(team, job, count, moving, substeps, one, other):
+def call(team, job, count, many, substeps, one, other):
     """Write down a job with its numbers, and begin it together with the others."""
     if team is not None:
         words = team.words
-        words[JOB], words[COUNT], words[MOVING_BODIES], words[SUBSTEPS] = job, count, moving, substeps
+        words[JOB], words[COUNT], words[MANY], words[SUBSTEPS] = job, count, many, substeps
         team.numbers[0], team.numbers[1] = one, other
         words[NEXT] = 0
         meet(team)

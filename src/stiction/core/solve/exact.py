@@ -27,10 +27,11 @@ from stiction.core.friction.laws import scaled_slip
 from stiction.core.friction.patch import choose3, level, slide, times
 from stiction.core.jit import entry, jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, select, size_of, sqrt, store
-from stiction.core.solve.blocks import get3, get4, get6, surface_at, vectors_of
+from stiction.core.solve.blocks import get3, get4, get6, prepare_block, put3, surface_at, vectors_of
+from stiction.core.solve.idle import belt_now
 from stiction.core.solve.normals import Four
-from stiction.core.solve.points import miss_of_points
-from stiction.core.solve.soft import allowed, frame_of, gaps_now, solve_block, twist_of, unit_of
+from stiction.core.solve.points import miss_of_points, prepare_points
+from stiction.core.solve.soft import allowed, frame_of, gaps_now, softness, solve_block, twist_of, unit_of
 from stiction.core.vec import Vec3, dot, transpose
 
 COMPLIANCE = 0.05
@@ -131,6 +132,27 @@ def miss_of_all(blocks, index, count, rows, h, laws, moved):
 def measure_miss(blocks, index, count, rows, h, laws):
     """The largest miss of the blocks as the last step has left them, m/s."""
     return miss_of_all(blocks, index, count, rows, h, laws, True)
+
+
+@entry
+def measure_miss_again(blocks, index, count, manifolds, corners, rows, aux, h, substeps):
+    """The same of a piece of a world of the default solver without friction laws, whose blocks others have filled since
+    (:mod:`stiction.core.pieces`): they are made anew from what the step has left in the manifolds.
+
+    Friction is taken at the centre of pressure of the last loads then, not of the first ones: where that wanders within
+    a step, the miss is another one.
+    """
+    beta, compliance, beta_stiff, compliance_stiff = softness(h)
+    for i in range(count):
+        if is_point_block(index, i, count):
+            prepare_points(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff)
+        else:
+            prepare_block(
+                i, blocks, index, count, manifolds, corners, aux, h, beta, compliance, beta_stiff, compliance_stiff,
+                None,
+            )  # fmt: skip
+        put3(blocks, i * s.FIELDS + s.B_BELT, belt_now(blocks, i * s.FIELDS, h * substeps))
+    return miss_of_all(blocks, index, count, rows, h, None, True)
 
 
 @jit

@@ -7,6 +7,7 @@ from stiction.core.ahead import ask_for_block, ask_for_bodies
 from stiction.core.clock import lap
 from stiction.core.colouring import COLOURS, blocks_of_colour, count_colours, is_point_block
 from stiction.core.jit import jit
+from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
 from stiction.core.solve.exact import iterate, rigidity
@@ -30,23 +31,24 @@ from stiction.core.team import meet, share
 
 @jit
 def run_passes(
-    soft, movers, glide, normals, sizes, count, moving, h, substeps, fresh, profile, rolls, laws, exact, team, worker
+    soft, movers, glide, normals, sizes, count, many, moving, h, substeps, fresh, profile, rolls, laws, exact, team,
+    worker,
 ):  # fmt: skip
     """Prepare, warm start, cold passes for what is new, and all substeps.
 
-    ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, and ``moving`` bodies;
-    ``fresh``: which manifolds are new; ``laws``: see :func:`prepare_block`; ``exact``: None, or what
-    :func:`iterate` needs; with either there are no blocks of points. Every worker does a share of each colour, and they
-    meet before the next one.
+    ``count`` blocks in the order of their colours, whose numbers of manifolds are ``sizes``, of a step that has
+    ``many`` manifolds, and ``moving`` bodies; ``fresh``: which manifolds are new; ``laws``: see :func:`prepare_block`;
+    ``exact``: None, or what :func:`iterate` needs; with either there are no blocks of points. Every worker does a share
+    of each colour, and they meet before the next one.
     """
     blocks, index, manifolds, rows, aux = soft.blocks, soft.members, soft.manifolds, soft.rows, soft.aux
     beta, compliance, beta_stiff, compliance_stiff = softness(h) if exact is None else rigidity(h)
     rounds = count_rounds(sizes, team)
     first, last = share(team, worker, 0, count)
     for i in range(first, last):
-        ask_for_bodies(index, i + 1, count, aux, s.AUX_ROTATION)
-        ask_for_bodies(index, i + 1, count, aux, s.AUX_INERTIA)
-        ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH)
+        ask_for_bodies(index, i + 1, count, aux, s.AUX_ROTATION, many)
+        ask_for_bodies(index, i + 1, count, aux, s.AUX_INERTIA, many)
+        ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH, many)
         if laws is None and exact is None and is_point_block(index, i, count):
             prepare_points(
                 i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff
@@ -94,8 +96,8 @@ def run_passes(
         for r in range(rounds):
             first, last = blocks_of(sizes, r, count, team, worker)
             for i in range(first, last):
-                ask_for_bodies(index, i + 1, count, rows, s.ROW_V)
-                ask_for_bodies(index, i + 1, count, rows, s.ROW_TURN)
+                ask_for_bodies(index, i + 1, count, rows, s.ROW_V, count * LANES)
+                ask_for_bodies(index, i + 1, count, rows, s.ROW_TURN, count * LANES)
                 solve_any(i, blocks, index, count, rows, h, False, True, rolls, laws, exact)
             meet(team)
         if worker == 0:

@@ -16,17 +16,18 @@ LEAST_LIFT = 1e-9
 
 
 @jit
-def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers, failed, laws):
+def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers, failed, laws, many):
     """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
     All rows are those of several worlds; of one that has ``failed`` nothing is stored. A lane that was padded names the
-    manifold of nobody. ``laws``: whether the forces in the blocks are scaled (:mod:`stiction.core.friction.laws`).
+    manifold of nobody. ``laws``: whether the forces in the blocks are scaled (:mod:`stiction.core.friction.laws`);
+    ``many``: how many manifolds the step has.
     """
     for i in range(count):
         o, points = i * s.FIELDS, is_point_block(index, i, count)
-        ask_for_bodies(index, i + 1, count, aux, s.AUX_WORK)
-        ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH)
-        ask_for_block(index, i + 1, count, reports, s.REPORT_WIDTH)
+        ask_for_bodies(index, i + 1, count, aux, s.AUX_WORK, many)
+        ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH, many)
+        ask_for_block(index, i + 1, count, reports, s.REPORT_WIDTH, many)
         for lane in range(LANES):
             row, world = index[i + 2 * count, lane], index[i + 3 * count, lane]
             if row > 0 and not failed[world]:
