@@ -164,7 +164,7 @@ class SoftStore(Store):
         if counts[0] == blocks:
             return float(exact.measure_miss(soft.blocks, soft.members, blocks, soft.rows, h, laws))
         ends = counts.cumsum()
-        misses = []
+        misses: list[float] = []
         for end, count in zip(ends[ends <= blocks].tolist(), counts.tolist(), strict=False):
             own = soft_rows.members_from(soft, end - count)
             misses.append(

@@ -27,7 +27,7 @@ from stiction.core.collide.directions import (
     look_around,
 )
 from stiction.core.collide.gjk import closest
-from stiction.core.collide.hulls import POINT, number_of_two, support
+from stiction.core.collide.hulls import POINT, face_below, number_of_two, support
 from stiction.core.collide.manifold import emit, reduce
 from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, dot, length, transpose, vec3
@@ -65,14 +65,22 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
 
     n, sigma, wa, wb, feature = zero, -math.inf, zero, zero, -1
     known, apart = dot(hint, hint) > 0.0, False
-    if known:
+    if A.hull == POINT and not B.round and B.hull > POINT:
+        sigma, n = face_below(B, hulls, A.p)
+        apart, n = sigma > floor, -n
+        wa, wb = A.p, A.p + n * sigma
+    if apart:
+        known = False
+        if sigma - r > margin:
+            return count, n, sigma - r
+    elif known:
         n = hint * (1.0 / length(hint))
         wa, wb = support(A, hulls, n), support(B, hulls, -n)
         sigma = dot(n, wb - wa)
         if sigma - r > margin:
             return count, n, sigma - r
         known = sigma > -DEEP * small
-    if not known:
+    if not known and not apart:
         apart, sigma, n, wa, wb = closest(A, B, hulls, zero, B.p - A.p, margin + r, floor, FINE)
         if sigma - r > margin:
             return count, n, sigma - r
@@ -130,7 +138,7 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
         normal = n
         if sigma - r > margin:
             return count, n, sigma - r
-        if apart or round_one:
+        if (apart or round_one) and A.hull != POINT:
             found = clip_lines(A, B, n, sigma - r, hulls, margin, points)
     for i in range(found):
         count = emit(contacts, tags, count, a, b, origin + vec3(points, i, 0), normal, points[i, 3], int(points[i, 4]))

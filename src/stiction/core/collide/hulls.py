@@ -13,7 +13,7 @@ import numpy as np
 
 from stiction.core.jit import inlined, jit
 from stiction.core.state import BOX, CAPSULE, CYLINDER, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
-from stiction.core.vec import Mat33, Vec3, column, quat, rotation, transpose, vec3
+from stiction.core.vec import Mat33, Vec3, column, cross, dot, quat, rotation, transpose, vec3
 
 
 class Hulls(NamedTuple):
@@ -47,6 +47,7 @@ class Convex(NamedTuple):
 
 RIM = 16
 """Corners of the polygon that stands for a disc where it is clipped."""
+RIM_X, RIM_Y = (np.array([f(2.0 * math.pi * k / RIM) for k in range(RIM)]) for f in (math.cos, math.sin))
 MOST_CORNERS = 32
 """A face of more corners is clipped as the polygon of every second, third... of them."""
 
@@ -170,6 +171,29 @@ def facing(X, hulls, n):
     return face
 
 
+@jit
+def face_below(X, hulls, p):
+    """The height of p over the polytope X, and the outward normal of the face that it is straight above: its distance,
+    for it is as far from that face's plane as it is from a point of X. The height is negative if there is none."""
+    m, planes, v = transpose(X.R) @ (p - X.p), hulls.planes, hulls.vertices
+    face, best = -1, 0.0
+    first = hulls.spans[X.hull, 2]
+    for i in range(first, first + hulls.spans[X.hull, 3]):
+        h = planes[i, 0] * m.x + planes[i, 1] * m.y + planes[i, 2] * m.z - planes[i, 3]
+        face, best = (i, h) if h > best else (face, best)
+    if face < 0:
+        return -1.0, m
+    n = vec3(planes, face, 0)
+    start, sides = hulls.loops[face, 0], hulls.loops[face, 1]
+    here = vec3(v, hulls.corners[start + sides - 1], 0)
+    for k in range(start, start + sides):
+        there = vec3(v, hulls.corners[k], 0)
+        if dot(cross(n, there - here), m - here) < 0.0:
+            return -1.0, m
+        here = there
+    return best, X.R @ n
+
+
 @inlined
 def corner_count(X, hulls, f):
     """Corners of face f, as it is clipped."""
@@ -185,8 +209,7 @@ def corner(X, hulls, f, k, u):
     """Corner k of face f, counter-clockwise seen from outside; u is the direction of a disc's corner 0."""
     if X.round:
         n, offset = face_plane(X, hulls, f)
-        angle = 2.0 * math.pi / RIM * k
-        c, s = math.cos(angle) * X.scale.x, math.sin(angle) * X.scale.x
+        c, s = RIM_X[k] * X.scale.x, RIM_Y[k] * X.scale.x
         v = Vec3(n.y * u.z - n.z * u.y, n.z * u.x - n.x * u.z, n.x * u.y - n.y * u.x)
         return X.p + n * offset + u * c + v * s
     row = hulls.spans[X.hull, 2] + f
