@@ -88,7 +88,7 @@ class Step:
         index, ledger, aux = self.index.copy(), np.zeros(LEDGER_WIDTH), self.aux.copy()
         index[4, 0] = sort
         compiled(store_blocks)(
-            blocks, index, 1, manifolds, reports, aux, H, 1 / 60, ledger, np.zeros(1, np.int64), False, LANES
+            blocks, index, 1, manifolds, reports, aux, H, 1 / 60, ledger, np.zeros(1, np.int64), False, False, LANES
         )
         return manifolds, reports, np.append(ledger, aux[:, s.AUX_WORK])
 

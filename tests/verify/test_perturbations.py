@@ -161,7 +161,10 @@ CHANGES: dict[str, tuple[Change, str]] = {
     ),
     "energy of an impact grows by 1e-6": (damping(1.0 + 1e-6, 1.0 + 1e-6), "impact-energy"),
     "gravity 10 % more": (gravity(1.1), "sink-of-soft-contacts"),
-    "everything keeps 2 mm/s": (drifting(2e-3), "tower-of-ten heavy-on-light crooked-tower pyramid heavy-on-top"),
+    "everything keeps 2 mm/s": (
+        drifting(2e-3),
+        "tower-of-ten heavy-on-light crooked-tower pyramid heavy-on-top kapla-tower",
+    ),
     "everything keeps 10 cm/s": (drifting(0.1), "arch"),
     "velocities damped by 1e-2 a step": (damping(0.99, 0.99), "domino-wave"),
     "forces 1 % more": (forces(1.01), "constant-force push-to-tip push-and-release pulled-block balls-on-a-box"),

@@ -15,6 +15,7 @@ from stiction.core.contact_space import world_inverse_inertia
 from stiction.core.integrate import gyroscopic, spin_freely
 from stiction.core.jit import jit
 from stiction.core.lanes import load_part, store_part
+from stiction.core.leaning import begin_lean, forget_lean, keep_lean
 from stiction.core.ledger import spin_energy
 from stiction.core.sleep import REST_SPEED
 from stiction.core.state import (
@@ -77,7 +78,8 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     v, w = vec3(bodies, i, V), vec3(bodies, i, W)
     center = vec3(bodies, i, CENTER)
     margin = body_margin(bodies, kinds, i, g, dt)
-    put_vec3(pose, r, s.POSE_X, vec3(bodies, i, POSITION) + R @ center)
+    x = vec3(bodies, i, POSITION) + R @ center
+    put_vec3(pose, r, s.POSE_X, x)
     put_mat33(pose, r, s.POSE_ROTATION, R)
     pose[r, s.POSE_MOTION], pose[r, s.POSE_REACH], pose[r, s.POSE_MARGIN] = bodies[i, MOTION], bodies[i, REACH], margin
     belt = vec3(bodies, i, SURFACE)
@@ -112,6 +114,7 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     put_vec3(aux, r, s.AUX_OLD_V, v)
     put_vec3(aux, r, s.AUX_OLD_W, w)
     aux[r, s.AUX_WORK] = 0.0
+    begin_lean(bodies, kinds, i, aux, gravity * (-1.0 / g if g > 0.0 else 0.0), x)
 
 
 @jit
@@ -159,6 +162,7 @@ def finish_contact(bodies, i, pose, rows, aux, dt, ledger):
     enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
     bodies[i, FRICTION_WORK] += aux[r, s.AUX_WORK]
     angle = wide(vec3(rows, r, s.ROW_TURN))
+    keep_lean(bodies, i, aux, angle)
     turns = dot(angle, angle) > NO_TURN * NO_TURN
     had = spin_energy(bodies, i) if turns else 0.0
     _go(bodies, i, pose, wide(vec3(rows, r, s.ROW_D)), angle, dt)
@@ -179,6 +183,7 @@ def finish_free(bodies, kinds, i, pose, gravity, dt, ledger):
         put_vec3(bodies, i, W_START, w0)
         _go(bodies, i, pose, v0 * dt, w0 * dt, dt)
         return
+    forget_lean(bodies, i)
     R = mat33(pose, i + 1, s.POSE_ROTATION)
     angle, w1, changes = spin_freely(R, mat33(bodies, i, INERTIA), w0, dt)
     I = world_inverse_inertia(R, mat33(bodies, i, INVERSE_INERTIA))

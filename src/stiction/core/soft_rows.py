@@ -129,10 +129,11 @@ world, and in the first lane the sort (``colouring``)."""
 ROW_V, ROW_W, ROW_D, ROW_TURN, ROW_WIDTH = 0, 4, 8, 12, 16
 """Columns of a body's row: velocity, spin, displacement and rotation vector since the step began."""
 
-AUX_OLD_V, AUX_OLD_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WORK, AUX_WIDTH = 0, 4, 8, 17, 18, 24, 32
+AUX_OLD_V, AUX_OLD_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WORK = 0, 4, 8, 17, 18, 24
+AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_WIDTH = 25, 28, 29, 30, 32
 """Columns beside it, two cache lines: velocities at the start of the substep; rotation matrix (9), inverse mass, and
 the upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this
-step, J."""
+step, J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``)."""
 
 POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_BELT, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
 """Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far

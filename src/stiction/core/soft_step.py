@@ -149,7 +149,9 @@ def take_steps(steps, n, book, first, last, outcomes, one, bounces, laws, exact,
                     room += notes[k, ACTIVE] if notes[k, ROLE] == WAITS and not alone else 0
                 k += 1
             start, count = (k - 1, 1) if alone else (0, worlds)
-            solve_worlds(n, book, first + start, count, notes[start:], outcomes, one, bounces, laws, points, team)
+            solve_worlds(
+                n, book, first + start, count, notes[start:], outcomes, one, bounces, laws, points, exact, team
+            )
             if alone:
                 notes[start, ROLE] = NOBODY
         going = 0
@@ -241,7 +243,7 @@ def find_contacts(n, book, w, note, outcomes, one, bounces, laws, exact, team):
 
 
 @jit
-def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, points, team):
+def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, points, exact, team):
     """The second half of a step of those of so many worlds from ``first`` on that wait."""
     _, _, _, _, profile, settings = rows_of(book, first)
     desk, soft, dt = desk_at(book), soft_of_all(book, first, worlds, notes[0, PLACE], one), settings.dt
@@ -304,7 +306,7 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, po
                     desk.failed[j] = fails(book, first + j, n, j * places_of(desk), notes[j], outcomes, one, h)
         store_blocks(
             own.blocks, own.members, here[BLOCKS_HERE], soft.manifolds, soft.reports, soft.aux, h, dt / SETTLING,
-            entries, desk.failed, laws, many,
+            entries, desk.failed, laws, exact, many,
         )  # fmt: skip
     if pieces > 1 and fails(book, first, n, 0, notes[0], outcomes, one, h):
         # manifolds keep what the solver found for them

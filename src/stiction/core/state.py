@@ -56,6 +56,8 @@ def _starts(*widths: int) -> list[int]:
     REST,  # s, for how long the body has been at rest
     FRICTION_WORK,  # lost to friction and rolling resistance at this body's contacts so far, J
     MOTION,  # how far any of its points can have gone since the world began, m: displacement + reach x rotation
+    LEAN,  # 3, what the body has turned because what it stands on gives way, world, rad (core/leaning.py)
+    STANDS,  # 1 if it stands, else 0
     LAST,  # 14, last finite position, orientation, v, w and friction work
     X,  # 3, centre of mass, m
     WORLD_INERTIA,  # 9, inverse inertia in world axes, 0 unless dynamic
@@ -63,7 +65,7 @@ def _starts(*widths: int) -> list[int]:
     W_START,  # 3
     MEAN,  # 1 if the body moves with the mean of its old and new velocity
     BODY_WIDTH,
-) = _starts(3, 4, 3, 3, 3, 4, 3, 3, 1, 1, 6, 9, 9, 1, 3, 1, 1, 1, 14, 3, 9, 3, 3, 1)
+) = _starts(3, 4, 3, 3, 3, 4, 3, 3, 1, 1, 6, 9, 9, 1, 3, 1, 1, 1, 3, 1, 14, 3, 9, 3, 3, 1)
 PUSH, PUSH_TURN = BOUNDS, BOUNDS + 3  # way out of penetration, m and rad
 SHORT_WIDTH = X
 """So many columns do for the soft solver where no body is kinematic; impacts work on a copy that has them all."""

@@ -391,14 +391,6 @@ class KaplaTower(Case):
     tolerance = "1 mm/s (speed), 1 mm (drift)"
     tolerance_reason = "targets: a hundredth of a block's height is what eyes do not see"
     solvers = ("soft",)
-    known_limit: ClassVar = {
-        "soft": (
-            "its contacts are springs whose stiffness goes with 1 / h^2 of the substep h; at 1/60 s twelve layers give "
-            "way by 8 mm where blocks overlap by 25 mm, so that they tilt, creep and fall within seconds (at 1/90 s "
-            "within a minute); at 0.01 s, or with 12 substeps instead of 8, the building stands and stays within a "
-            "millimetre"
-        ),
-    }
     SECONDS: ClassVar = 20.0
 
     def measure(self, solver: str, dt: float) -> Iterator[Measurement]:

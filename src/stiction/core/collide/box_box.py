@@ -18,6 +18,10 @@ from stiction.core.vec import Vec3, column, cross, dot, rotation, transpose
 
 FACE_PREFERENCE = 0.005
 """An edge axis must be better than the best face by this part of the smallest half length."""
+LEANING = 5e-5
+"""... and if its axis is within 0.01 rad of the normal of that face (cosines differ by this), and so is the direction
+that was found last, it must be no face at all: boxes that lie on each other with their faces have leaned, and where the
+edges cross is a corner of the patch."""
 TOUCHING = 1e-9
 """Corners that are nearer than this part of the smallest half length have no direction of their own; a corner must be
 nearer than an earlier one by more than this part of the square of its distance."""
@@ -55,9 +59,9 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
     RaT = transpose(Ra)
     RbT = transpose(Rb)
     d = pb - pa
-    size = dot(hint, hint)
+    size, known = dot(hint, hint), hint
     if size > 0.0:
-        e = hint * (1.0 / math.sqrt(size))
+        e = known = hint * (1.0 / math.sqrt(size))
         separation = dot(d, e) - _reach(ha, RaT @ e) - _reach(hb, RbT @ e)
         if separation > margin:
             return count, e, separation
@@ -88,7 +92,9 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
 
     best = max(best_face, best_edge)
     apart, found = best > 0.0, 0
-    if best_edge <= best_face + slack:
+    clear = best_edge > best_face + slack
+    leans = clear and min(dot(edge_normal, face_normal), dot(known, face_normal)) > 1.0 - LEANING
+    if leans or not clear:
         out = face_normal
         if face < 3:
             found = _clip(pa, Ra, ha, face, out, pb, Rb, hb, margin, points, face)
@@ -96,6 +102,8 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
             out = -face_normal
             found = _clip(pb, Rb, hb, face - 3, out, pa, Ra, ha, margin, points, face)
         found = reduce(points, found, out)
+        if leans and found < 3:
+            found = 0
         if apart and found > 0:
             deepest = points[0, 3]
             for i in range(1, found):

@@ -28,6 +28,7 @@ from stiction.core.friction.pressure import (
 )
 from stiction.core.jit import jit
 from stiction.core.lanes import any_of, gather, greatest, least, load, select, splat, sqrt, store
+from stiction.core.leaning import without_lean
 from stiction.core.solve.normals import Four, Sym4, inverse_of_points, point_matrix
 from stiction.core.vec import Mat33, Vec3, columns, cross, dot, transpose
 
@@ -304,7 +305,8 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, sof
         hold_on(i, blocks, index, count, manifolds, corners, laws, h)
 
     # the manifold's matrix
-    ra, rb = C @ Vec3(gx[3], gx[4], gx[5]), C @ Vec3(gy[0], gy[1], gy[2])
+    ra = without_lean(aux, index, i, C, C @ Vec3(gx[3], gx[4], gx[5]))
+    rb = without_lean(aux, index, i + count, C, C @ Vec3(gy[0], gy[1], gy[2]))
     Ia, Ib = C @ Ia @ B, C @ Ib @ B
     Ka, Ta = patch_matrix(ma, Ia, ra)
     Kb, Tb = patch_matrix(mb, Ib, rb)

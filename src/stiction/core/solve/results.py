@@ -8,20 +8,21 @@ from stiction.core.colouring import is_point_block
 from stiction.core.friction.laws import force_in_plane
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
+from stiction.core.leaning import hold
 from stiction.core.state import FRICTION, LEDGER_WIDTH, ROLLING_LOSS
 from stiction.core.vec import Vec3, cross, put_vec3
 
-LEAST_LIFT = 1e-9
+LEAST_LIFT, FARTHEST = 1e-9, 1e9
 """m"""
 
 
 @jit
-def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers, failed, laws, many):
+def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers, failed, laws, exact, many):
     """Give the manifolds back what the step has made of them, and enter what friction and rolling resistance took.
 
     All rows are those of several worlds; of one that has ``failed`` nothing is stored. A lane that was padded names the
     manifold of nobody. ``laws``: whether the forces in the blocks are scaled (:mod:`stiction.core.friction.laws`);
-    ``many``: how many manifolds the step has.
+    ``exact``: whether contacts are rigid; ``many``: how many manifolds the step has.
     """
     for i in range(count):
         o, points = i * s.FIELDS, is_point_block(index, i, count)
@@ -37,8 +38,11 @@ def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers
                 if points:
                     store_point(blocks, o, lane, manifolds, reports, row, scale, scale / h, part)
                 else:
-                    store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws)
+                    whole = lies(blocks, o, lane, manifolds, row)
+                    store_lane(blocks, o, lane, manifolds, reports, row, scale, scale / h, part, laws, whole)
                     rolling = blocks[o + s.B_ROLLED, lane] * scale
+                    if whole and not exact:
+                        hold(aux, index[i, lane], index[i + count, lane])
                 manifolds[row, s.STATE], manifolds[row, s.OVER] = (
                     blocks[o + s.B_STATE, lane],
                     blocks[o + s.B_OVER, lane],
@@ -48,6 +52,15 @@ def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers
                 ledgers[LEDGER_WIDTH * world + ROLLING_LOSS] += rolling
                 if slid or rolling > 0.0:
                     share_work(aux, index[i, lane], index[i + count, lane], friction + rolling)
+
+
+@jit
+def lies(blocks, o, lane, manifolds, row):
+    """Whether a manifold is a face that is not new, sticks and carries with three of its points at least."""
+    loaded = 0
+    for k in range(int(manifolds[row, s.COUNT])):
+        loaded += blocks[o + s.B_LOAD + k, lane] > 0.0
+    return loaded > 2 and manifolds[row, s.FRESH] == s.OLD and blocks[o + s.B_STATE, lane] == s.STUCK
 
 
 @jit
@@ -62,12 +75,12 @@ def share_work(aux, a, b, work):
 
 
 @jit
-def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws):
+def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws, whole):
     """The same for one manifold; impulses of the block times ``scale`` are impulses, times ``rate`` forces."""
     u, v = tangents_of(blocks, o, lane)
     arm = blocks[o + s.B_TORQUE, lane]
     px, py = blocks[o + s.B_CENTER, lane], blocks[o + s.B_CENTER + 1, lane]
-    store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, 4)
+    store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, 4, whole)
     fu, fv = force_in_plane(blocks, o, lane, s.B_PULL, laws)
     fu, fv = fu * rate, fv * rate
     put_vec3(manifolds, row, s.PULL, u * fu + v * fv)
@@ -85,7 +98,7 @@ def store_lane(blocks, o, lane, manifolds, reports, row, scale, rate, part, laws
 def store_point(blocks, o, lane, manifolds, reports, row, scale, rate, part):
     """The same for a point (:mod:`stiction.core.solve.points`)."""
     u, v = tangents_of(blocks, o, lane)
-    store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, 1)
+    store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, 1, False)
     for k in range(1, 4):
         manifolds[row, s.LOAD + k] = reports[row, s.TOTAL_LOAD + k] = 0.0
     fu, fv = blocks[o + s.B_PULL, lane] * rate, blocks[o + s.B_PULL + 1, lane] * rate
@@ -105,9 +118,9 @@ def tangents_of(blocks, o, lane):
 
 
 @jit
-def store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, points):
+def store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, points, whole):
     """What the first ``points`` points of one manifold carry, and how far they are held above where that will have
-    them."""
+    them; ``whole``: whether it :func:`lies`."""
     for k in range(points):
         manifolds[row, s.LOAD + k] = blocks[o + s.B_LOAD + k, lane] * rate
         reports[row, s.TOTAL_LOAD + k] = blocks[o + s.B_TOTAL_LOAD + k, lane] * scale
@@ -115,11 +128,25 @@ def store_loads(blocks, o, lane, manifolds, reports, row, scale, rate, part, poi
         for k in range(points):
             reports[row, s.LIFT + k] = blocks[o + s.B_LIFT + k, lane]
             manifolds[row, s.GAP + k] -= blocks[o + s.B_LIFT + k, lane]
+    least = FARTHEST
+    if whole:
+        # by as much at all of its points: a face that is straightened with time, against its load, makes the slow modes
+        # of a stack swing up, as an integrator does in a loop without damping
+        for k in range(points):
+            if reports[row, s.LIFT + k] > 0.0:
+                least = min(least, excess(blocks, o, lane, reports, row, k))
     for k in range(points):
         lift = reports[row, s.LIFT + k]
         if lift > 0.0:
-            # how deep its load has a point; what it is lifted by beyond that is taken back slowly
-            depth = blocks[o + s.B_SOFT + k, lane] * blocks[o + s.B_LOAD + k, lane] / blocks[o + s.B_BETA, lane]
-            if lift > depth + LEAST_LIFT:
-                reports[row, s.LIFT + k] -= (lift - depth) * part
-                manifolds[row, s.GAP + k] += (lift - depth) * part
+            # what a point is lifted by beyond how deep its load has it is taken back slowly
+            beyond = min(least, excess(blocks, o, lane, reports, row, k))
+            if beyond > LEAST_LIFT:
+                reports[row, s.LIFT + k] -= beyond * part
+                manifolds[row, s.GAP + k] += beyond * part
+
+
+@jit
+def excess(blocks, o, lane, reports, row, k):
+    """By how much point k is lifted beyond the depth at which its spring carries its load, m."""
+    depth = blocks[o + s.B_SOFT + k, lane] * blocks[o + s.B_LOAD + k, lane] / blocks[o + s.B_BETA, lane]
+    return reports[row, s.LIFT + k] - depth
