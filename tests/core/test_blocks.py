@@ -318,7 +318,7 @@ def patch_of(corners: Any, loads: Any, precision: Any = np.float64) -> tuple[flo
 
     block = Block([Face(np.random.default_rng(1))], precision)
     turn = np.arctan2(u.y, u.x) + np.arctan2(block.get(s.B_TURN + 1, 0), block.get(s.B_TURN, 0))
-    return block.get(s.B_TORQUE, 0), block.get(s.B_SURFACE, 0, 7), np.array([np.cos(turn), np.sin(turn)])
+    return block.get(s.B_TORQUE, 0), block.get(s.B_SURFACE, 0, 8), np.array([np.cos(turn), np.sin(turn)])
 
 
 def corners_of(length: float, width: float) -> Array:

@@ -20,9 +20,10 @@ from stiction.core.friction.patch import (
     onto_surface,
     phi,
     slide,
+    terms,
     times,
 )
-from stiction.core.friction.pressure import lopsided_surface
+from stiction.core.friction.pressure import ELLIPSE, lopsided_surface
 from stiction.core.lanes import LANES, load, store
 from stiction.core.vec import Vec3
 from stiction.verify.limit_surface import directions
@@ -31,12 +32,13 @@ from .support import Array, compiled, random_inverse_inertia, random_unit
 
 
 def on_surface(k: Surface, rays: Array) -> Array:
-    """Where rays from the origin meet the surface, (n, 3): s + B s^3 = 1 for the square of the length, by bisection."""
-    B = phi(Vec3(*rays.T), k) - 1.0
+    """Where rays from the origin meet the surface, (n, 3): s + C s^2 + B s^3 = 1 for the square of the length, by
+    bisection."""
+    C, B = terms(Vec3(*rays.T), k)
     low, high = np.zeros(len(rays)), np.full(len(rays), FAR)
     for _ in range(60):
         middle = 0.5 * (low + high)
-        outside = middle + B * middle**3 > 1.0
+        outside = middle + C * middle**2 + B * middle**3 > 1.0
         low, high = np.where(outside, low, middle), np.where(outside, middle, high)
     return np.asarray(rays * np.sqrt(low)[:, None])
 
@@ -47,13 +49,18 @@ LOPSIDED = [
     (0.0, 9.0, 0.0, 0.0),
     (-1.0, 1.0, 0.5, -0.5),
     (0.05, 0.05, 0.3, 0.0),
+    (0.0, 0.0, 9.0, 0.0),
+    (0.0, 0.0, 0.0, 9.0),
+    (0.29, 0.0, 0.0, 0.0),
+    (0.15, 0.2, 0.9, 0.0),
+    (-0.15, -0.2, 0.9, 0.1),
 ]
 """Of the pressure along u and v, and of an even load; 9 is beyond all limits."""
 SHAPES = [
-    (q, t, roundness, *lop)
+    (q, t, j, *lop)
     for q in np.linspace(0.0, 1.0, 6)
     for t in (0.0, 0.4, 1.0)
-    for roundness in sorted({0.0, q * (1.0 - t)})
+    for j in (-1.0, 0.0, ELLIPSE)
     for lop in LOPSIDED
 ]
 """Arguments of lopsided_surface."""
@@ -88,7 +95,7 @@ def test_every_ray_meets_the_surface_once_and_inside_the_ball_that_is_said(
 def test_gradient_and_hessian_are_the_derivatives_of_phi(rng: np.random.Generator) -> None:
     """By complex steps, which are exact."""
     for _ in range(50):
-        k, g = Surface(*rng.uniform(-0.4, 2.0, size=7)), rng.normal(size=3)
+        k, g = Surface(*rng.uniform(-0.4, 2.0, size=8)), rng.normal(size=3)
         steps = 1e-30j * np.eye(3)
         found = [phi(Vec3(*(g + step)), k).imag / 1e-30 for step in steps]
         np.testing.assert_allclose(gradient(Vec3(*g), k), found, rtol=1e-12, atol=1e-12)
@@ -108,12 +115,12 @@ def test_a_symmetric_matrix_times_and_inverse(rng: np.random.Generator) -> None:
 
 # --- sliding ----------------------------------------------------------------------------------------------------------
 
-ROWS = 19
-"""Of a problem: A (6), b (3), last (3), surface (7)."""
+ROWS = 20
+"""Of a problem: A (6), b (3), last (3), surface (8)."""
 
 
 def solve_blocks(x: Any, y: Any) -> None:
-    """Eight problems side by side: block i is rows 19 i to 19 i + 18 of x, its answers rows 3 i to 3 i + 2 of y."""
+    """Eight problems side by side: block i is rows 20 i to 20 i + 19 of x, its answers rows 3 i to 3 i + 2 of y."""
     for i in range(y.shape[0] // 3):
         o = ROWS * i
         A = Sym3(load(x, o), load(x, o + 1), load(x, o + 2), load(x, o + 3), load(x, o + 4), load(x, o + 5))
@@ -121,7 +128,7 @@ def solve_blocks(x: Any, y: Any) -> None:
         last = Vec3(load(x, o + 9), load(x, o + 10), load(x, o + 11))
         k = Surface(
             load(x, o + 12), load(x, o + 13), load(x, o + 14), load(x, o + 15), load(x, o + 16), load(x, o + 17),
-            load(x, o + 18),
+            load(x, o + 18), load(x, o + 19),
         )  # fmt: skip
         g = slide(A, b, last, k, b.x < np.inf)
         store(y, 3 * i, g.x)
@@ -148,7 +155,7 @@ class Problems:
             K = J @ np.diag([*[1 / mass] * 3, *(1 / inertia)]) @ J.T
             D = np.diag([1.0, 1.0, Tm])
             F = D @ K @ D + (np.diag([0.0, 0.0, 1.0]) if point else 0.0)
-            surface = lopsided_surface(float(q), rng.uniform(0.0, 1.0), 0.0, *rng.normal(size=2), *rng.normal(size=2))
+            surface = lopsided_surface(float(q), rng.uniform(0.0, 1.0), rng.uniform(-1.0, ELLIPSE), *rng.normal(size=4))
             # the problem divided by the limit; the slip that friction meets is one to a thousand times what it can take
             stick = np.exp(rng.uniform(0.0, 6.9)) * random_unit(rng) * [1.0, 1.0, not point]
             if level(Vec3(*stick), surface) <= 1.0:

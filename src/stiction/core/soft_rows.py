@@ -109,7 +109,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     B_U, B_V,  # 4 + 4, places of the points
     B_CENTER,  # 2, centre of pressure in the plane
     B_TORQUE,  # T_m, torque of pure spinning per mu N, m
-    B_SURFACE,  # 7, coefficients of the limit surface
+    B_SURFACE,  # 8, coefficients of the limit surface
     B_TURN,  # 2, cosine and sine of the angle of the frame in that of the manifold
     B_ROLLING, B_ROLL, B_ROLLED,  # length of rolling resistance, m; its torque impulse about u and v, 2; its work, J
     B_SCALED, B_ALPHA, B_ATTRACT,  # 4 + 1 + 4, of friction laws (friction.laws): force by scaled force; slip over mu;
@@ -117,7 +117,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     FIELDS,
 ) = _starts(
     3, 3, 3, 3, 1, 1, 6, 6, 6, 1, 1, 1, 1, 1, 3, 2, 3, 1, 1, 3, 3, 1, 1, 1, 1, 4, 4, 4, 4, 4, 10, 10, 6,
-    6, 9, 6, 4, 4, 2, 1, 7, 2, 1, 2, 1, 4, 1, 4,
+    6, 9, 6, 4, 4, 2, 1, 8, 2, 1, 2, 1, 4, 1, 4,
 )  # fmt: skip
 
 MEMBERS = 5

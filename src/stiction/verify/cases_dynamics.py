@@ -326,12 +326,20 @@ class DominoWave(Case):
     tolerance = "2 %"
     tolerance_reason = (
         "a target: dt is the only other time, and h sqrt(g / l) is 0.3 % for the smaller ones in soft; but box hits "
-        "box many times under way, and hits that come a little earlier or later do not stay a little apart, which "
-        "is why in soft three rows are pushed over, each with another speed, and the mean of their waves is taken"
+        "box many times under way, and hits that come a little earlier or later do not stay a little apart"
     )
+    other_tolerance: ClassVar = {
+        "soft": (
+            "1 %",
+            "a target, as above: one row is 0.7 % off another (root mean square), in double precision, too, which is "
+            "why twenty-four are pushed over, each with another speed, and the mean of their waves is taken",
+        ),
+        "exact": ("1 %", "a target: the same, one row"),
+    }
     COUNT: ClassVar = 14
-    PUSHES: ClassVar = {"soft": (1.1, 1.2, 1.3)}
+    PUSHES: ClassVar = {"soft": tuple(1.0 + 0.02 * k for k in range(24))}
     """Of each row, in sqrt(g / l); the other solvers take a minute for three rows, and have one."""
+    SLACK: ClassVar = {"soft": 0.01, "exact": 0.01}
     PUSH: ClassVar = (1.2,)
     SMALL: ClassVar = 4.0
     LARGE: ClassVar = 16.0
@@ -340,7 +348,12 @@ class DominoWave(Case):
         """Heights of 4 and 16 m, so that a step is short."""
         small, large = (self._speed(solver, dt, length) for length in (self.SMALL, self.LARGE))
         yield Measurement(
-            "v / sqrt(g l) of the smaller ones, that of the larger ones", large, small, 0.02, "", "relative"
+            "v / sqrt(g l) of the smaller ones, that of the larger ones",
+            large,
+            small,
+            self.SLACK.get(solver, 0.02),
+            "",
+            "relative",
         )
 
     def _speed(self, solver: str, dt: float, length: float) -> float:

@@ -73,11 +73,10 @@ class DiscEndsTogether(Case):
         + " under uniform pressure, integrated here; Farkas, Bartels, Unger and Wolf, 'Frictional coupling between "
         "sliding and spinning motion', Phys. Rev. Lett. 90, 248302 (2003)"
     )
-    tolerance = "3.7 % (ratio), dt (between the ends)"
+    tolerance = "1 % (ratio), dt (between the ends)"
     tolerance_reason = (
-        "the ratio is driven by that of force and moment, which the fitted limit surface of a disc has within "
-        "1.4 % and "
-        "2.3 %; ends are seen once a step"
+        "a target: the ratio is driven by that of force and moment, which the fitted limit surface of a disc divides "
+        "so that the ratio at the end is 0.4 % off; ends are seen once a step"
     )
     solvers = ("soft", "exact")
     SPEED: ClassVar = 3.0
@@ -104,7 +103,7 @@ class DiscEndsTogether(Case):
             speeds = np.array(seen)
             expected, measured = self._ratio(self._reference(spin, 1e-3)), self._ratio(speeds)
             what = f"v / (R w) at {100 * self.LEFT:g} % of the speed, {spin:g} rad/s"
-            yield Measurement(what, expected, measured, 0.037, "", "relative")
+            yield Measurement(what, expected, measured, 0.01, "", "relative")
             ends = [int(np.argmax(column < 1e-4 * column[0])) for column in speeds.T]
             apart = abs(ends[0] - ends[1]) * dt if min(ends) > 0 else math.nan
             yield Measurement(f"time between the ends, {spin:g} rad/s", 0.0, apart, 1.001 * dt, "s")

@@ -13,7 +13,7 @@ import numpy as np
 from stiction.core import soft_rows as s
 from stiction.core.collide.manifold import ROUND, forget_face, reduce
 from stiction.core.faces import measure_face, order_points, seen_from
-from stiction.core.friction.patch import Surface, phi
+from stiction.core.friction.patch import Surface, terms
 from stiction.core.friction.pressure import Even, pressed
 from stiction.core.state import CONTACT_WIDTH, FEATURE, POINT, SCRATCH, TAGS_WIDTH
 from stiction.core.vec import Vec3
@@ -79,15 +79,15 @@ def dissipation_error(patch: Patch, wrenches: Array) -> Array:
     """Relative error of the dissipation at the twists that have these exact wrenches about the centre, (n,).
 
     To first order the support function of a convex set changes by as much as its boundary moves along the ray to the
-    point of contact: the exact wrench is put back onto the surface, s A + s^3 B = 1.
+    point of contact: the exact wrench is put back onto the surface, s A + s^2 C + s^3 B = 1.
     """
     g = np.column_stack([wrenches[:, :2] @ patch.axes, wrenches[:, 2] / patch.torque])
     A = (g**2).sum(axis=1)
-    B = phi(Vec3(*g.T), patch.surface) - A
+    C, B = terms(Vec3(*g.T), patch.surface)
     low, high = np.zeros(len(g)), 1.5 / A
     for _ in range(50):
         middle = 0.5 * (low + high)
-        outside = middle * A + middle**3 * B > 1.0
+        outside = middle * (A + middle * (C + middle * B)) > 1.0
         low, high = np.where(outside, low, middle), np.where(outside, middle, high)
     return np.asarray(np.sqrt(low) - 1.0)
 

@@ -3,11 +3,11 @@
 Coulomb's law, integrated over a face with linear pressure, limits force and torque together by a convex *limit surface*
 (Goyal, Ruina, Papadopoulos, "Planar sliding with dry friction", Wear 143, 1991). Four corners with a cone each are a
 poor copy of it (a spinning crate stops almost twice too fast); here it is a sextic, fitted to the exact integral to
-0.2 to 1 % (docs/design/limit-surface.md):
+0.1 to 0.6 % (docs/design/limit-surface.md):
 
-    Phi(g) = S + z^2 + z^2 [ a_u x^4 + a_m x^2 y^2 + a_v y^4 + z S (s_u x + s_v y) + z^2 (b_u x^2 + b_v y^2) ] <= 1
+    Phi(g) = |g|^2 + z^2 [ c_u x^2 + c_v y^2 + z (l_u x + l_v y) + a_u x^4 + a_m x^2 y^2 + a_v y^4 + s z y^3 ] <= 1
 
-with S = x^2 + y^2, g = (x, y, z) = (F_u, F_v, T / T_m) / (mu N), (u, v) the principal axes of the pressure, and T_m
+with g = (x, y, z) = (F_u, F_v, T / T_m) / (mu N), (u, v) the principal axes of the pressure, and T_m
 the torque per mu N of pure spinning. Sliding is associated: slip = lambda grad Phi with lambda >= 0, hence friction
 dissipates as much as it can. A point has T_m = 0: then the surface is the circle of Coulomb's law and what is solved is
 the secular equation.
@@ -32,22 +32,22 @@ on a lopsided surface."""
 SETTLED = 1e-3
 """A Newton step shorter than this leaves an error of about its square: rounding, in single precision."""
 RADIAL_STEPS = 2
-LEAST_B = -0.146
 TINY = 1e-18
 FAR = 1.4
 """Every surface lies inside the ball of this radius squared, and Phi grows along every ray until there."""
 
 
 class Surface(NamedTuple):
-    """Coefficients of the limit surface's terms of fourth and sixth order."""
+    """Coefficients of the limit surface's terms: four of sixth order, four of fourth order."""
 
     au: Any
     am: Any
     av: Any
-    bu: Any
-    bv: Any
-    su: Any
-    sv: Any
+    cu: Any
+    cv: Any
+    lu: Any
+    lv: Any
+    s: Any
 
 
 class Sym3(NamedTuple):
@@ -97,12 +97,19 @@ def arm_of_pressure(Mu, Mv):
 
 
 @jit
+def terms(g, k):
+    """The terms of fourth and of sixth order of Phi(g)."""
+    x2, y2, z2 = g.x * g.x, g.y * g.y, g.z * g.z
+    fourth = k.cu * x2 + k.cv * y2 + g.z * (k.lu * g.x + k.lv * g.y)
+    sixth = x2 * (k.au * x2 + k.am * y2) + y2 * (k.av * y2 + k.s * g.y * g.z)
+    return z2 * fourth, z2 * sixth
+
+
+@jit
 def phi(g, k):
     """Phi(g): 1 on the limit surface, less inside."""
-    x2, y2, z2 = g.x * g.x, g.y * g.y, g.z * g.z
-    S = x2 + y2
-    lop = g.z * (k.su * g.x + k.sv * g.y)
-    return S + z2 + z2 * (x2 * (k.au * x2 + k.am * y2) + k.av * y2 * y2 + S * lop + z2 * (k.bu * x2 + k.bv * y2))
+    fourth, sixth = terms(g, k)
+    return dot(g, g) + (fourth + sixth)
 
 
 @jit
@@ -116,14 +123,13 @@ def level(g, k):
 def gradient(g, k):
     """grad Phi"""
     x2, y2, z2 = g.x * g.x, g.y * g.y, g.z * g.z
-    S = x2 + y2
-    lop, z3 = k.su * g.x + k.sv * g.y, z2 * g.z
-    gx, gy = k.am * y2 + 2.0 * k.au * x2, k.am * x2 + 2.0 * k.av * y2
-    Qa = 0.5 * (x2 * gx + y2 * gy)
+    gx, gy = k.cu + k.am * y2 + 2.0 * k.au * x2, k.cv + k.am * x2 + 2.0 * k.av * y2
+    Q = 0.5 * (x2 * (gx + k.cu) + y2 * (gy + k.cv))
+    z3, lop = z2 * g.z, k.s * y2
     return Vec3(
-        2.0 * g.x * (1.0 + z2 * (gx + z2 * k.bu) + z3 * lop) + z3 * S * k.su,
-        2.0 * g.y * (1.0 + z2 * (gy + z2 * k.bv) + z3 * lop) + z3 * S * k.sv,
-        2.0 * g.z * (1.0 + Qa + 2.0 * z2 * (k.bu * x2 + k.bv * y2)) + 3.0 * z2 * S * lop,
+        2.0 * g.x * (1.0 + z2 * gx) + z3 * k.lu,
+        2.0 * g.y * (1.0 + z2 * gy) + z3 * (k.lv + 3.0 * lop),
+        2.0 * g.z * (1.0 + Q) + 3.0 * z2 * (k.lu * g.x + (k.lv + lop) * g.y),
     )
 
 
@@ -131,35 +137,32 @@ def gradient(g, k):
 def hessian(g, k):
     """The matrix of second derivatives of Phi."""
     x2, y2, z2 = g.x * g.x, g.y * g.y, g.z * g.z
-    S = x2 + y2
-    lop, z3 = k.su * g.x + k.sv * g.y, z2 * g.z
-    gx, gy = k.am * y2 + 2.0 * k.au * x2, k.am * x2 + 2.0 * k.av * y2
-    Qa = 0.5 * (x2 * gx + y2 * gy)
-    lx, ly = 2.0 * g.x * lop + S * k.su, 2.0 * g.y * lop + S * k.sv
-    base = 2.0 + 2.0 * z3 * lop
+    gx, gy = k.cu + k.am * y2 + 2.0 * k.au * x2, k.cv + k.am * x2 + 2.0 * k.av * y2
+    Q = 0.5 * (x2 * (gx + k.cu) + y2 * (gy + k.cv))
+    lop = k.s * y2
     return Sym3(
-        base + 2.0 * z2 * (gx + 4.0 * k.au * x2 + z2 * k.bu) + 4.0 * z3 * g.x * k.su,
-        4.0 * z2 * k.am * g.x * g.y + 2.0 * z3 * (g.y * k.su + g.x * k.sv),
-        4.0 * g.x * g.z * (gx + 2.0 * z2 * k.bu) + 3.0 * z2 * lx,
-        base + 2.0 * z2 * (gy + 4.0 * k.av * y2 + z2 * k.bv) + 4.0 * z3 * g.y * k.sv,
-        4.0 * g.y * g.z * (gy + 2.0 * z2 * k.bv) + 3.0 * z2 * ly,
-        2.0 + 2.0 * Qa + 12.0 * z2 * (k.bu * x2 + k.bv * y2) + 6.0 * g.z * S * lop,
+        2.0 + 2.0 * z2 * (gx + 4.0 * k.au * x2),
+        4.0 * z2 * k.am * g.x * g.y,
+        4.0 * g.x * g.z * gx + 3.0 * z2 * k.lu,
+        2.0 + 2.0 * z2 * (gy + 4.0 * k.av * y2 + 3.0 * k.s * g.y * g.z),
+        4.0 * g.y * g.z * gy + 3.0 * z2 * (k.lv + 3.0 * lop),
+        2.0 + 2.0 * Q + 6.0 * g.z * (k.lu * g.x + (k.lv + lop) * g.y),
     )
 
 
 @jit
 def onto_surface(g, k):
-    """g scaled onto the surface: for a g of length one and s the square of the scale, s + B s^3 = 1, by Newton's
-    method.
+    """g scaled onto the surface: for a g of length one and s the square of the scale, s + C s^2 + B s^3 = 1, by one
+    step of Halley's method from s = 1 and two of Newton's.
 
-    Only a length of one keeps B, which is of sixth order, within bounds.
+    Only a length of one keeps C and B, which are of fourth and sixth order, within bounds.
     """
     g = g * (1.0 / sqrt(dot(g, g) + TINY))
-    # all surfaces lie inside FAR, so B is above this; a g of nothing is at -1, where there is no root
-    B = greatest(phi(g, k) - 1.0, LEAST_B)
-    s = (1.0 + B * (4.48 + 1.12 * B)) / (1.0 + B * (5.46 + 3.31 * B))  # within 4e-3
+    C, B = terms(g, k)
+    total, slope, bend = C + B, 1.0 + 2.0 * C + 3.0 * B, C + 3.0 * B
+    s = 1.0 - total * slope / (slope * slope - total * bend)  # within 1e-2
     for _ in range(RADIAL_STEPS):
-        s = s - (s + B * s * s * s - 1.0) / (1.0 + 3.0 * B * s * s)
+        s = s - (s + s * s * (C + B * s) - 1.0) / (1.0 + s * (2.0 * C + 3.0 * B * s))
     return g * sqrt(greatest(s, 0.0))
 
 

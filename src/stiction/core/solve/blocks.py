@@ -18,7 +18,7 @@ from stiction.core.friction.laws import hold_on, keep_scaled, prepare_laws, scal
 from stiction.core.friction.patch import Surface, Sym3, inverse_sym
 from stiction.core.friction.pressure import (
     CAP_A,
-    CAP_B,
+    CAP_C,
     Even,
     choose_polar,
     polar_of,
@@ -107,7 +107,7 @@ def surface_at(blocks, o):
     k = o + s.B_SURFACE
     return Surface(
         load(blocks, k), load(blocks, k + 1), load(blocks, k + 2), load(blocks, k + 3), load(blocks, k + 4),
-        load(blocks, k + 5), load(blocks, k + 6),
+        load(blocks, k + 5), load(blocks, k + 6), load(blocks, k + 7),
     )  # fmt: skip
 
 
@@ -255,10 +255,11 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, sof
     store(blocks, o + s.B_SURFACE, select(is_face, surface.au, CAP_A))
     store(blocks, o + s.B_SURFACE + 1, select(is_face, surface.am, 2.0 * CAP_A))
     store(blocks, o + s.B_SURFACE + 2, select(is_face, surface.av, CAP_A))
-    store(blocks, o + s.B_SURFACE + 3, select(is_face, surface.bu, CAP_B))
-    store(blocks, o + s.B_SURFACE + 4, select(is_face, surface.bv, CAP_B))
-    store(blocks, o + s.B_SURFACE + 5, select(is_face, surface.su, 0.0))
-    store(blocks, o + s.B_SURFACE + 6, select(is_face, surface.sv, 0.0))
+    store(blocks, o + s.B_SURFACE + 3, select(is_face, surface.cu, CAP_C))
+    store(blocks, o + s.B_SURFACE + 4, select(is_face, surface.cv, CAP_C))
+    store(blocks, o + s.B_SURFACE + 5, select(is_face, surface.lu, 0.0))
+    store(blocks, o + s.B_SURFACE + 6, select(is_face, surface.lv, 0.0))
+    store(blocks, o + s.B_SURFACE + 7, select(is_face, surface.s, 0.0))
     store(blocks, o + s.B_TORQUE, Tm)
     store(blocks, o + s.B_MU_S, ga[6])
     store(blocks, o + s.B_MU_D, ga[7])
