@@ -326,11 +326,15 @@ def lopsided_surface(q, t, j, eu, ev, ku, kv):
 @jit
 def _kept_convex(k, q, t, three, skew):
     """The surface with its odd terms made small enough for it to be convex and for every ray to meet it once: within
-    a polygon of l_v and s, and an ellipse of that and l_u. One face in a hundred is touched, by a sixth at most."""
+    a polygon of l_v and s, and an ellipse of that and l_u. One face in a hundred is touched, by a sixth at most.
+
+    Towards a corner they fade: a corner is pressed as x (1 - x) along, which is not lopsided; and there the centre of
+    pressure of what rocks leaps about, and with odd terms as large as in the middle heaps are slower to come to rest.
+    """
     qq = q * q
     up, across = 1.0 / (2.353 + 0.619 * skew - 1.402 * qq), 1.0 / (2.142 - 0.233 * qq)
     far = greatest(size_of(k.lv * (1.0 / 0.952) + k.s * up), size_of(k.lv * (1.0 / 0.682) - k.s * across))
     far = greatest(far, size_of(k.lv) / (0.425 + 0.17 * three + 0.387 * q))
     aside = k.lu / (0.27 + 0.494 * q - 0.075 * t * (1.0 - q))
-    over = 1.0 / greatest(sqrt(far * far + aside * aside), 1.0)
+    over = (1.0 - t * t) / greatest(sqrt(far * far + aside * aside), 1.0)
     return Surface(k.au, k.am, k.av, k.cu, k.cv, k.lu * over, k.lv * over, k.s * over)
