@@ -31,6 +31,8 @@ from stiction.core.tree import NONE, RIGHT, grow_tree, make_tree
 from stiction.crew import Crew
 from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilation, close_gaps
 
+FEW_BLOCKS = 16
+"""Room for blocks to begin with."""
 PRECISIONS = {"single": np.float32, "double": np.float64}
 _NO_COPY = np.zeros((0, state.BODY_WIDTH))
 """Room for a copy of the bodies in impacts: here they have all columns."""
@@ -67,7 +69,7 @@ class SoftStore(Store):
         self.dtype = PRECISIONS[precision]
         self.tree = make_tree(room)
         self.cache = make_pair_cache(room, pairs)
-        self.soft = soft_rows.make_soft(room, pairs, self.dtype)
+        self.soft = soft_rows.make_soft(room, pairs, self.dtype, blocks=FEW_BLOCKS)
         self.scratch = soft_scratch.make_scratch(room)
         self.desk = soft_scratch.make_desk(room, pairs)
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
@@ -118,7 +120,7 @@ class SoftStore(Store):
             if reason == soft_step.MORE_PAIRS:
                 self._grow(len(self.bodies), number + number // 4 + 16)
             elif reason == soft_step.MORE_BLOCKS:
-                self._grow(len(self.bodies), 2 * len(self.cache.pairs))
+                self._grow_blocks(number + number // 4 + 16)
             elif reason == soft_step.MORE_CONTACTS:
                 self._grow_contacts(number + number // 4 + 16)
             elif reason == soft_step.BLOWN_UP:
@@ -366,11 +368,17 @@ class SoftStore(Store):
     def _grow_contacts(self, room: int) -> None:
         self.contacts, self.tags = state.make_contacts(room)
 
+    def _grow_blocks(self, room: int) -> None:
+        made = soft_rows.make_soft(0, 0, self.dtype, blocks=room)
+        self.soft = self.soft._replace(blocks=made.blocks, members=made.members)
+
     def _grow(self, bodies: int, pairs: int) -> None:
         """The same state with room for more."""
         self.tree = grow_tree(self.tree, bodies)
         self.cache = grow_pair_cache(self.cache, bodies, pairs)
-        self.soft = _grown(self.soft, soft_rows.make_soft(bodies, pairs, self.dtype))
+        # blocks are filled anew in each step, and most pairs of a heap are in none
+        blocks = {"blocks": self.soft.blocks, "members": self.soft.members}
+        self.soft = _grown(self.soft, soft_rows.make_soft(bodies, pairs, self.dtype, blocks=0)._replace(**blocks))
         self.scratch = _grown(self.scratch, soft_scratch.make_scratch(bodies))
         self.desk = soft_scratch.make_desk(bodies, pairs, fill=int(self.desk.notes[0, soft_scratch.FILL]))
 

@@ -165,9 +165,11 @@ def members_from(soft, first):
     )  # fmt: skip
 
 
-def make_soft(n: int, p: int, dtype: type = np.float32) -> Soft:
-    """Zeroed arrays; each colour may leave a block that is partly filled, hence the room for more."""
-    blocks = p // LANES + 128 + p // 16
+def make_soft(n: int, p: int, dtype: type = np.float32, blocks: int | None = None) -> Soft:
+    """Zeroed arrays. Unless it is said how many blocks there are, room for all pairs to touch: each colour may leave a
+    block that is partly filled."""
+    if blocks is None:
+        blocks = p // LANES + 128 + p // 16
     return Soft(
         manifolds=zeros((p + 1, MANIFOLD_WIDTH), dtype),
         meta=zeros((p + 1, META_WIDTH)),
