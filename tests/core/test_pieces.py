@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 import stiction as st
 from stiction.core.pieces import COUNT, FIRST, PIECE, PIECE_WIDTH, cut, room_for_pieces
 from stiction.core.state import DYNAMIC, KINDS_WIDTH, MOBILITY, STATIC
+from stiction.errors import SimulationError
 
 from .support import compiled
 
@@ -85,3 +86,22 @@ def test_pieces_are_the_same_with_two_threads() -> None:
         world.step(40)
         hashes.append(world.state_hash())
     assert hashes[0] == hashes[1]
+
+
+def test_a_world_that_blows_up_goes_back_whole() -> None:
+    """A piece before the one with the body that is pushed too hard has been solved by then."""
+    world = columns(400)
+    world.step(20)
+    before = [a.copy() for a in (world.positions, world.orientations, world.velocities, world.angular_velocities)]
+    friction = world.energy().friction
+    world.bodies[-1].apply_force((1e38, 0.0, 0.0))
+    with pytest.raises(SimulationError, match="no longer finite"):
+        world.step()
+    for kept, now in zip(
+        before, (world.positions, world.orientations, world.velocities, world.angular_velocities), strict=True
+    ):
+        np.testing.assert_array_equal(now, kept)
+    assert world.energy().friction == friction
+    world.step(20)
+    assert world.steps == 40
+    assert np.isfinite(world.positions).all()
