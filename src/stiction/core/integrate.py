@@ -131,7 +131,7 @@ def euler(inertia, w0, dt):
     torque = cross(w0, momentum)
     if dot(torque, torque) <= 1e-28 * dot(w0, w0) * dot(momentum, momentum):
         return w0, False
-    w1 = step = w0
+    w1 = w0
     for _ in range(10):
         middle = (w0 + w1) * 0.5
         spin = inertia @ middle
@@ -142,10 +142,8 @@ def euler(inertia, w0, dt):
         step = inverse(J) @ f
         w1 = w1 - step
         if dot(step, step) <= ROOT * ROOT * dot(w1, w1):
-            break
+            return w1, True
     # of many turns a step Newton may not find the root; to turn on about the same axis keeps both invariants as well
-    if dot(step, step) <= ROOT * ROOT * dot(w1, w1):
-        return w1, True
     return w0, False
 
 

@@ -71,12 +71,12 @@ def solve(
     """:func:`stiction.core.solve.passes.run_passes` over the blocks of a piece of so many worlds from w on, which have
     ``many`` manifolds."""
     _, kinds, table, _, profile, settings = rows_of(book, w)
-    desk, laws = desk_at(book), laws_of(laws, kinds, table, soft_of_all(book, w, worlds, place, one))
+    soft, desk = soft_of_all(book, w, worlds, place, one), desk_at(book)
     here = desk.pieces[piece]
     run_passes(
-        members_from(soft_of_all(book, w, worlds, place, one), here[BLOCK]), desk.lists[MOVING, here[MOVER] :],
-        desk.lists[GLIDE], desk.normals, desk.sizes[piece], here[BLOCKS], many, here[MOVERS], h, substeps, fresh,
-        profile, rolls, laws, exact_of(exact, settings, scratch_at(book, w)), team, worker,
+        members_from(soft, here[BLOCK]), desk.lists[MOVING, here[MOVER] :], desk.lists[GLIDE], desk.normals,
+        desk.sizes[piece], here[BLOCKS], many, here[MOVERS], h, substeps, fresh, profile, rolls,
+        laws_of(laws, kinds, table, soft), exact_of(exact, settings, scratch_at(book, w)), team, worker,
     )  # fmt: skip
     return 0
 
