@@ -10,7 +10,8 @@ import pytest
 import stiction as st
 from stiction import InvalidInputError
 from stiction.core import pairs
-from stiction.snapshot import BY_SLOT, NOT_KEPT, SCRATCH, put, settings_of, take
+from stiction.snapshot import NOT_KEPT, SCRATCH, put, settings_of, take
+from stiction.soft_store import BY_SLOT
 
 
 def heap(solver: str = "soft") -> st.World:
@@ -78,7 +79,7 @@ def test_what_a_pair_left_behind_is_not_kept_and_not_missed() -> None:
     free = snapshot["cache.free"][: counts[pairs.FREE]] + 1
     left_behind = world._store.soft.meta[free]
     assert len(free) > 2 and left_behind.any(), "or there would be nothing to leave out"
-    assert not any(snapshot[name][free].any() for name in BY_SLOT)
+    assert not any(snapshot[f"soft.{name}"][free].any() for name in BY_SLOT)
     assert counts[pairs.PAIRS] > 10 and snapshot["cache.pairs"][: counts[pairs.PAIRS]].any(axis=1).all()
     put(other, snapshot)
     for _ in range(60):

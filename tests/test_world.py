@@ -519,14 +519,15 @@ def test_growing_the_room_for_contacts_does_not_change_results() -> None:
 
 
 def test_growing_the_room_for_pairs_does_not_change_results() -> None:
-    """The same in the soft solver, whose pairs and blocks run short."""
+    """The same in the soft solver, whose pairs, slots and blocks run short."""
     grown, roomy = wall(12, "soft"), wall(12, "soft")
-    roomy._store._grow(len(roomy._store.bodies), 4096)
-    room = len(grown._store.cache.pairs)
+    roomy._store._resize(len(roomy._store.bodies), 4096, 2048)
+    cache = grown._store.cache
     for world in (grown, roomy):
         world.step(5)
-    assert room < len(grown._store.cache.pairs) < 4096
-    assert len(roomy._store.cache.pairs) == 4096
+    assert len(cache.pairs) < len(grown._store.cache.pairs) < 4096
+    assert len(cache.free) < len(grown._store.cache.free) < 2048
+    assert (len(roomy._store.cache.pairs), len(roomy._store.cache.free)) == (4096, 2048)
     assert grown.state_hash() == roomy.state_hash()
     assert grown.energy() == roomy.energy()
 

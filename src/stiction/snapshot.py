@@ -17,14 +17,15 @@ from stiction.core import pairs
 from stiction.errors import InvalidInputError
 from stiction.hulls import HullTable
 from stiction.shapes import ConvexHull
+from stiction.soft_store import BY_SLOT
 from stiction.world import World
 
 Snapshot = dict[str, NDArray[Any]]
 
 SCRATCH = {
-    "contacts", "tags", "points", "soft.blocks", "soft.members", "soft.rows", "soft.aux", "soft.pose", "desk.active",
-    "desk.lists", "desk.normals", "desk.ordered", "desk.pieces", "desk.sizes", "desk.notes", "desk.failed",
-    "desk.contacts", "desk.tags", "desk.points",
+    "contacts", "tags", "points", "cache.begun", "cache.ended", "soft.blocks", "soft.members", "soft.rows", "soft.aux",
+    "soft.pose", "desk.looked", "desk.active", "desk.lists", "desk.normals", "desk.ordered", "desk.pieces",
+    "desk.sizes", "desk.notes", "desk.failed", "desk.contacts", "desk.tags", "desk.points",
 }  # fmt: skip
 """Arrays that a step fills before it reads them: of these a snapshot keeps the shape alone. The rows of contact points
 are so in the soft solver only, which has manifolds besides; ``micro`` has nothing else to answer with."""
@@ -35,11 +36,8 @@ NOT_KEPT = {
 """Attributes of a store that follow from the others, or from the settings and materials of its world."""
 ACROSS = {"scratch.bodies", "desk.lists", "cache.lists"}
 """Matrices that have bodies in their columns; the others have them, or pairs, or contacts, in their rows."""
-LISTS = {"cache.pairs": pairs.PAIRS, "cache.begun": pairs.BEGUN, "cache.ended": pairs.ENDED, "cache.free": pairs.FREE}
+LISTS = {"cache.pairs": pairs.PAIRS, "cache.free": pairs.FREE}
 """Lists with the entry of ``cache.counts`` that says how many of their rows are in use."""
-BY_SLOT = ("soft.manifolds", "soft.meta", "soft.reports", "soft.corners")
-"""Arrays with a row for each slot of a pair, after one for none. A slot is cleared when a pair begins, so what is left
-in a free one means nothing."""
 WORLD = "world"
 """The entry with what the world keeps beside its store, JSON."""
 HULLS = "hulls/"
@@ -168,7 +166,7 @@ def _forget_what_is_free(snapshot: Snapshot) -> None:
         snapshot[name][counts[count] :] = 0
     free = snapshot["cache.free"][: counts[pairs.FREE]] + 1
     for name in BY_SLOT:
-        snapshot[name][free] = 0
+        snapshot[f"soft.{name}"][free] = 0
 
 
 def _entry(snapshot: Snapshot, name: str) -> NDArray[Any]:

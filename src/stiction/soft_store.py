@@ -24,7 +24,7 @@ from stiction.core import (
     touching,
 )
 from stiction.core.clock import STAGES
-from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, grow_pair_cache, make_pair_cache
+from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, make_pair_cache, resize_pair_cache
 from stiction.core.soft_report import report_contacts
 from stiction.core.solve import exact
 from stiction.core.tree import NONE, RIGHT, grow_tree, make_tree
@@ -33,6 +33,8 @@ from stiction.store import CHUNK, Array, StepFailure, Store, announce_compilatio
 
 FEW_BLOCKS = 16
 """Room for blocks to begin with."""
+MANY_PAIRS = 4096
+"""Room for so many pairs is worth a look now and then whether it is still needed."""
 PRECISIONS = {"single": np.float32, "double": np.float64}
 _NO_COPY = np.zeros((0, state.BODY_WIDTH))
 """Room for a copy of the bodies in impacts: here they have all columns."""
@@ -40,6 +42,11 @@ _NO_COPY = np.zeros((0, state.BODY_WIDTH))
 THINNEST = 3e-5
 """Least principal moment of inertia that single precision can tell from nothing, a part of mass x reach^2: that of a
 rod whose radius is 1/130 of its half length."""
+
+
+BY_SLOT = ("manifolds", "meta", "reports", "corners")
+"""Arrays of the solver with a row for each slot of a pair, after one for none. A slot is cleared when it is handed out,
+so what is left in a free one means nothing."""
 
 
 class Needs(NamedTuple):
@@ -65,13 +72,13 @@ class SoftStore(Store):
         super().__init__()
         self.crew = Crew(threads)
         self.rigid = rigid  # contacts are those of the exact solver
-        room, pairs = len(self.bodies), 64
+        room, pairs, slots = len(self.bodies), 64, 32
         self.dtype = PRECISIONS[precision]
         self.tree = make_tree(room)
-        self.cache = make_pair_cache(room, pairs)
-        self.soft = soft_rows.make_soft(room, pairs, self.dtype, blocks=FEW_BLOCKS)
+        self.cache = make_pair_cache(room, pairs, slots)
+        self.soft = soft_rows.make_soft(room, slots, self.dtype, blocks=FEW_BLOCKS)
         self.scratch = soft_scratch.make_scratch(room)
-        self.desk = soft_scratch.make_desk(room, pairs)
+        self.desk = soft_scratch.make_desk(room, pairs, slots)
         self.cycles = np.zeros(len(STAGES) + 1, np.int64)
         self.seconds = 0.0
         self._table: Array | None = None
@@ -117,12 +124,16 @@ class SoftStore(Store):
             done, reason, number = self._take(min(left, max(1, CHUNK // self.n)), settings, table)
             self.steps += done
             left -= done
+            if len(self.cache.pairs) > MANY_PAIRS:
+                self._trim()
             if reason == soft_step.MORE_PAIRS:
-                self._grow(len(self.bodies), number + number // 4 + 16)
+                self._resize(len(self.bodies), _room_for(number), len(self.cache.free))
+            elif reason == soft_step.MORE_SLOTS:
+                self._resize(len(self.bodies), len(self.cache.pairs), _room_for(number))
             elif reason == soft_step.MORE_BLOCKS:
-                self._grow_blocks(number + number // 4 + 16)
+                self._grow_blocks(_room_for(number))
             elif reason == soft_step.MORE_CONTACTS:
-                self._grow_contacts(number + number // 4 + 16)
+                self._grow_contacts(_room_for(number))
             elif reason == soft_step.BLOWN_UP:
                 return StepFailure(number, self.steps)
         self.seconds += time.perf_counter() - began
@@ -339,6 +350,7 @@ class SoftStore(Store):
         pairs = cache.pairs[: counts[PAIRS]]
         stay = keep[pairs[:, PAIR_A]] & keep[pairs[:, PAIR_B]]
         slots = pairs[~stay, SLOT]
+        slots = slots[slots != NONE]
         cache.free[counts[p.FREE] : counts[p.FREE] + len(slots)] = slots
         counts[p.FREE] += len(slots)
         kept = pairs[stay]
@@ -359,11 +371,11 @@ class SoftStore(Store):
         self.seconds = 0.0
 
     def _grow_bodies(self) -> None:
-        room = len(self.bodies) + len(self.bodies) // 4 + 16
+        room = _room_for(len(self.bodies))
         bodies, kinds = state.make_bodies(room)
         bodies[: self.n], kinds[: self.n] = self.bodies[: self.n], self.kinds[: self.n]
         self.bodies, self.kinds = bodies, kinds
-        self._grow(room, len(self.cache.pairs))
+        self._resize(room, len(self.cache.pairs), len(self.cache.free))
 
     def _grow_contacts(self, room: int) -> None:
         self.contacts, self.tags = state.make_contacts(room)
@@ -372,21 +384,58 @@ class SoftStore(Store):
         made = soft_rows.make_soft(0, 0, self.dtype, blocks=room)
         self.soft = self.soft._replace(blocks=made.blocks, members=made.members)
 
-    def _grow(self, bodies: int, pairs: int) -> None:
-        """The same state with room for more."""
+    def _trim(self) -> None:
+        """Give back room that a busier time has needed: what is poured touches more than what has come to rest."""
+        counts, blocks = self.cache.counts, int(self.scratch.counts[soft_scratch.BLOCKS])
+        pairs, slots = int(counts[PAIRS]), int(counts[p.SLOTS] - counts[p.FREE])
+        if _is_wasted(len(self.cache.free), slots) or _is_wasted(len(self.cache.pairs), pairs):
+            self._gather_slots()
+            self._resize(len(self.bodies), _least_room_for(pairs), _least_room_for(slots))
+        if _is_wasted(len(self.soft.blocks) // soft_rows.FIELDS, blocks):
+            self._grow_blocks(_least_room_for(blocks))
+
+    def _gather_slots(self) -> None:
+        """Number the slots anew, in the order of their pairs."""
+        pairs, counts = self.cache.pairs[: self.cache.counts[PAIRS]], self.cache.counts
+        touch = pairs[:, SLOT] != NONE
+        rows = pairs[touch, SLOT] + 1
+        for name in BY_SLOT:
+            array = getattr(self.soft, name)
+            array[1 : len(rows) + 1] = array[rows]
+        pairs[touch, SLOT] = np.arange(len(rows))
+        counts[p.SLOTS], counts[p.FREE] = len(rows), 0
+
+    def _resize(self, bodies: int, pairs: int, slots: int) -> None:
+        """The same state with other room."""
         self.tree = grow_tree(self.tree, bodies)
-        self.cache = grow_pair_cache(self.cache, bodies, pairs)
-        # blocks are filled anew in each step, and most pairs of a heap are in none
+        self.cache = resize_pair_cache(self.cache, bodies, pairs, slots)
+        # blocks are filled anew in each step
         blocks = {"blocks": self.soft.blocks, "members": self.soft.members}
-        self.soft = _grown(self.soft, soft_rows.make_soft(bodies, pairs, self.dtype, blocks=0)._replace(**blocks))
-        self.scratch = _grown(self.scratch, soft_scratch.make_scratch(bodies))
-        self.desk = soft_scratch.make_desk(bodies, pairs, fill=int(self.desk.notes[0, soft_scratch.FILL]))
+        self.soft = _resized(self.soft, soft_rows.make_soft(bodies, slots, self.dtype, blocks=0)._replace(**blocks))
+        self.scratch = _resized(self.scratch, soft_scratch.make_scratch(bodies))
+        self.desk = soft_scratch.make_desk(bodies, pairs, slots, fill=int(self.desk.notes[0, soft_scratch.FILL]))
 
 
-def _grown(old: Any, new: Any) -> Any:
-    """Copy arrays into larger ones."""
+def _room_for(number: int) -> int:
+    """How much room to make for so many."""
+    return number + number // 8 + 16
+
+
+def _least_room_for(number: int) -> int:
+    """The same where there is no rush."""
+    return number + number // 16 + 16
+
+
+def _is_wasted(room: int, number: int) -> bool:
+    """Whether that is far too much room for so many."""
+    return room > number + number // 4 + 64
+
+
+def _resized(old: Any, new: Any) -> Any:
+    """Copy arrays into others with other room."""
     for source, target in zip(old, new, strict=True):
-        target[tuple(slice(k) for k in source.shape)] = source
+        both = tuple(slice(min(a, b)) for a, b in zip(source.shape, target.shape, strict=True))
+        target[both] = source[both]
     return new
 
 

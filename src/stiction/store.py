@@ -116,7 +116,7 @@ class Store:
         from stiction.core.questions import refresh_tree
         from stiction.core.tree import make_tree
 
-        tree, cache = make_tree(self.n), make_pair_cache(self.n, 1)
+        tree, cache = make_tree(self.n), make_pair_cache(self.n, 1, 1)
         refresh_tree(tree, cache, self.bodies, self.kinds, self.n, 0, np.zeros(self.n, np.int64), gravity, dt)
         return tree, cache
 

@@ -13,7 +13,16 @@ from hypothesis import strategies as st
 
 from stiction.core import pairs as p
 from stiction.core import state
-from stiction.core.pairs import PairCache, forget_body, grow_pair_cache, make_pair_cache, touch_body, update_pairs
+from stiction.core.pairs import (
+    PairCache,
+    drop_slot,
+    forget_body,
+    give_slot,
+    make_pair_cache,
+    resize_pair_cache,
+    touch_body,
+    update_pairs,
+)
 from stiction.core.tree import NONE, Tree, check, grow_tree, make_tree
 
 from .support import Array, compiled, matrix_of, random_unit
@@ -27,7 +36,8 @@ class Scene:
     def __init__(self, n: int, room: int = 4096) -> None:
         self.bodies, self.kinds = state.make_bodies(n)
         self.kinds[:, state.LAYER], self.kinds[:, state.MASK] = 1, -1
-        self.tree, self.cache = make_tree(n), make_pair_cache(n, room)
+        self.tree, self.cache = make_tree(n), make_pair_cache(n, room, room)
+        self.before: list[tuple[int, int]] = []
         self.live: set[int] = set()
         self.looked_at: dict[int, Any] = {}
 
@@ -45,12 +55,13 @@ class Scene:
         self.live.add(i)
         compiled(touch_body)(self.cache, i)
 
-    def forget(self, i: int) -> list[tuple[int, int, int]]:
+    def forget(self, i: int) -> list[tuple[int, int]]:
         self.live.discard(i)
+        self.before = self.pairs
         count = compiled(forget_body)(self.tree, self.cache, i)
         assert self.cache.counts[p.ENDED] == count
         assert self.cache.counts[p.BEGUN] == 0
-        return rows(self.cache.ended, count)
+        return self.ended
 
     def set_bounds(self) -> None:
         position = self.bodies[:, state.POSITION : state.POSITION + 3]
@@ -64,22 +75,44 @@ class Scene:
         if awake is None:
             awake = [i for i in sorted(self.live) if self.kinds[i, state.MOBILITY] != state.STATIC]
         listed = np.array([*awake, -1], np.int64)
+        self.before = self.pairs
         needed = compiled(update_pairs)(self.tree, self.cache, self.bodies, self.kinds, listed, len(listed) - 1, DT)
         return int(needed)
 
     @property
-    def pairs(self) -> list[tuple[int, int, int]]:
-        """All pairs with their slots."""
-        return rows(self.cache.pairs, int(self.cache.counts[p.PAIRS]))
+    def pairs(self) -> list[tuple[int, int]]:
+        """All pairs."""
+        return couples(self.cache.pairs, int(self.cache.counts[p.PAIRS]))
+
+    @property
+    def begun(self) -> list[tuple[int, int]]:
+        """Those that are new."""
+        return couples(self.cache.begun, int(self.cache.counts[p.BEGUN]))
+
+    @property
+    def ended(self) -> list[tuple[int, int]]:
+        """Those that are gone."""
+        return [self.before[k] for k in self.cache.ended[: self.cache.counts[p.ENDED]]]
 
     @property
     def slots(self) -> dict[tuple[int, int], int]:
-        return {(a, b): slot for a, b, slot in self.pairs}
+        """The slots of the pairs that have one."""
+        rows = self.cache.pairs[: self.cache.counts[p.PAIRS]]
+        return {(int(a), int(b)): int(slot) for a, b, slot in rows[:, : p.DUE] if slot != NONE}
+
+    def give_slots(self, rng: np.random.Generator, share: float = 0.3) -> None:
+        """To some of the pairs that have none; and take some back."""
+        for k in range(len(self.pairs)):
+            if rng.random() < share:
+                if self.cache.pairs[k, p.SLOT] == NONE:
+                    compiled(give_slot)(self.cache, k)
+                else:
+                    compiled(drop_slot)(self.cache, k)
 
 
-def rows(array: Any, count: int) -> list[tuple[int, int, int]]:
+def couples(array: Any, count: int) -> list[tuple[int, int]]:
     """The first rows as tuples."""
-    return [(int(a), int(b), int(slot)) for a, b, slot in array[:count, : p.DUE]]
+    return [(int(a), int(b)) for a, b in array[:count, : p.SLOT]]
 
 
 def meet(scene: Scene, a: int, b: int) -> bool:
@@ -116,28 +149,19 @@ def brute_force(scene: Scene) -> list[tuple[int, int]]:
     return [(a, b) for a, b in itertools.combinations(sorted(scene.live), 2) if meet(scene, a, b) and near(scene, a, b)]
 
 
-def assert_consistent(scene: Scene, before: dict[tuple[int, int], int]) -> None:
+def assert_consistent(scene: Scene, slots: dict[tuple[int, int], int]) -> None:
     """Sorted, slots unique and in range, kept by those that live on; begun and ended are the difference."""
-    cache = scene.cache
-    after, keys = scene.slots, [(a, b) for a, b, _ in scene.pairs]
+    cache, before, after = scene.cache, scene.before, scene.pairs
     assert check(scene.tree)
-    assert keys == sorted(set(keys))
-    assert all(a < b for a, b in keys)
-    assert len(set(after.values())) == len(after)
+    assert after == sorted(set(after))
+    assert all(a < b for a, b in after)
+    assert scene.begun == sorted(set(after) - set(before))
+    assert scene.ended == sorted(set(before) - set(after))
+    assert scene.slots == {pair: slot for pair, slot in slots.items() if pair in after}
     free = cache.free[: cache.counts[p.FREE]].tolist()
-    assert sorted([*after.values(), *free]) == list(range(int(cache.counts[p.SLOTS])))
-    begun = rows(cache.begun, int(cache.counts[p.BEGUN]))
-    ended = rows(cache.ended, int(cache.counts[p.ENDED]))
-    assert begun == sorted(begun)
-    assert ended == sorted(ended)
-    assert {(a, b): s for a, b, s in begun} == {k: s for k, s in after.items() if k not in before}
-    assert {(a, b): s for a, b, s in ended} == {k: s for k, s in before.items() if k not in after}
-    assert all(before[k] == after[k] for k in before.keys() & after.keys())
-    for i in scene.live:
-        if scene.kinds[i, state.SHAPE] != state.PLANE:
-            fat, row = scene.tree.boxes[scene.tree.leaf[i]], scene.bodies[i]
-            assert (fat[:3] <= row[state.BOUNDS : state.BOUNDS + 3]).all()
-            assert (fat[3:] >= row[state.BOUNDS + 3 : state.BOUNDS + 6]).all()
+    assert sorted([*scene.slots.values(), *free]) == list(range(int(cache.counts[p.SLOTS])))
+    new = cache.pairs[[after.index(pair) for pair in scene.begun], p.SLOT :]
+    assert (new == [NONE, 0, 0, 0]).all()
 
 
 def random_scene(rng: np.random.Generator, n: int, planes: int = 2, room: int = 4096) -> Scene:
@@ -172,10 +196,11 @@ def test_the_pairs_are_those_of_all_against_all(seed: int, n: int) -> None:
     rng = np.random.default_rng(seed)
     scene = random_scene(rng, n, planes=min(n // 3, 2))
     for step in range(25):
+        scene.give_slots(rng)
         before = scene.slots
         assert scene.update() == len(scene.pairs)
         assert_consistent(scene, before)
-        assert [(a, b) for a, b, _ in scene.pairs] == brute_force(scene)
+        assert scene.pairs == brute_force(scene)
         drift(scene, rng, 100.0 if step % 7 == 6 else 2.0)
         i = int(rng.integers(n))
         if scene.kinds[i, state.SHAPE] == state.PLANE:
@@ -185,9 +210,9 @@ def test_the_pairs_are_those_of_all_against_all(seed: int, n: int) -> None:
         elif i not in scene.live:
             scene.add(i, rng.normal(size=3))
         elif rng.random() < 0.3:
-            held = [(a, b, slot) for a, b, slot in scene.pairs if i in (a, b)]
+            held = [(a, b) for a, b in scene.pairs if i in (a, b)]
             assert scene.forget(i) == held
-            assert not any(i in (a, b) for a, b, _ in scene.pairs)
+            assert not any(i in (a, b) for a, b in scene.pairs)
             assert check(scene.tree)
         elif rng.random() < 0.3:
             scene.kinds[i, state.MASK] = rng.choice([-1, 0])
@@ -255,13 +280,12 @@ def test_too_little_room_changes_nothing_and_more_room_gives_the_same(rng: np.ra
         while needed > len(tight.cache.pairs):
             assert tight.pairs == before
             assert tight.cache.counts[p.BEGUN] == tight.cache.counts[p.ENDED] == 0
-            tight.cache = grow_pair_cache(tight.cache, 60, needed)
+            tight.cache = resize_pair_cache(tight.cache, 60, needed, needed)
             needed = tight.update()
         assert needed == wanted
         assert tight.pairs == ample.pairs
-        for name, count in (("begun", p.BEGUN), ("ended", p.ENDED)):
-            lists = [rows(getattr(s.cache, name), int(s.cache.counts[count])) for s in (ample, tight)]
-            assert lists[0] == lists[1]
+        assert tight.begun == ample.begun
+        assert tight.ended == ample.ended
         for scene in (ample, tight):
             drift(scene, np.random.default_rng(seed + step), 30.0)
 
@@ -273,7 +297,7 @@ def test_a_body_may_go_while_there_is_too_little_room() -> None:
     assert scene.update() == 3
     assert scene.forget(1) == []
     assert scene.update() == 1
-    assert scene.pairs == [(0, 2, 0)]
+    assert scene.pairs == [(0, 2)]
 
 
 def test_bodies_are_added_to_grown_arrays(rng: np.random.Generator) -> None:
@@ -282,12 +306,12 @@ def test_bodies_are_added_to_grown_arrays(rng: np.random.Generator) -> None:
         scene.add(0, (0, 0, 0))
         scene.add(1, (0.9, 0, 0))
         scene.update()
-    small.tree, small.cache = grow_tree(small.tree, 3), grow_pair_cache(small.cache, 3, 4096)
+    small.tree, small.cache = grow_tree(small.tree, 3), resize_pair_cache(small.cache, 3, 4096, 4096)
     small.bodies, small.kinds = large.bodies.copy(), large.kinds.copy()
     for scene in (small, large):
         scene.add(2, (0, 0.9, 0))
         assert scene.update() == 3
-    assert small.pairs == large.pairs == [(0, 1, 0), (0, 2, 1), (1, 2, 2)]
+    assert small.pairs == large.pairs == [(0, 1), (0, 2), (1, 2)]
 
 
 def run_with(rng: np.random.Generator, far: bool, n: int = 40) -> list[Any]:
@@ -303,8 +327,7 @@ def run_with(rng: np.random.Generator, far: bool, n: int = 40) -> list[Any]:
     history = []
     for _ in range(20):
         wide.update()
-        changes = [rows(wide.cache.begun, int(wide.cache.counts[p.BEGUN]))]
-        changes.append(rows(wide.cache.ended, int(wide.cache.counts[p.ENDED])))
+        changes = [wide.begun, wide.ended]
         history.append((wide.pairs, changes))
         drift(wide, rng, 20.0)
     return history
@@ -315,7 +338,7 @@ def test_a_body_far_away_changes_nothing() -> None:
 
 
 def test_the_order_in_which_bodies_are_listed_changes_nothing(rng: np.random.Generator) -> None:
-    """The tree gets another shape, the pairs stay the same, slots and all."""
+    """The tree gets another shape, the pairs stay the same."""
     seed = int(rng.integers(2**32))
     one, other = (random_scene(np.random.default_rng(seed), 50) for _ in range(2))
     for step in range(10):
@@ -339,9 +362,9 @@ def test_a_plane_that_moves_meets_bodies_and_lets_them_go() -> None:
         scene.bodies[0, state.POSITION + 2] += DT * scene.bodies[0, state.V + 2]
         scene.update()
         reached = scene.bodies[0, state.POSITION + 2] >= 1.5 - p.FAT
-        assert reached <= ((0, 1) in scene.slots), step
-        assert (0, 2) not in scene.slots
-    assert (0, 1) in scene.slots
+        assert reached <= ((0, 1) in scene.pairs), step
+        assert (0, 2) not in scene.pairs
+    assert (0, 1) in scene.pairs
     scene.bodies[0, state.POSITION + 2] = 0.0
     scene.bodies[0, state.V + 2] = 0.0
     assert scene.update() == 0  # it came to rest far from where it was
@@ -379,19 +402,20 @@ def test_removed_bodies_leave_the_lists(rng: np.random.Generator) -> None:
     for i in range(1, 4):
         scene.add(i, (3.0 * i, 0, 0))
     assert scene.update() == 3
-    assert scene.forget(0) == [(0, 1, 0), (0, 2, 1), (0, 3, 2)]
+    assert scene.forget(0) == [(0, 1), (0, 2), (0, 3)]
     assert scene.cache.counts[p.PLANES] == 0
     assert scene.tree.leaf[0] == NONE
     scene.add(0, (3.0, 0.5, 0))
     assert scene.update() == 1
-    assert scene.pairs == [(0, 1, 0)]
+    assert scene.pairs == [(0, 1)]
 
 
 def test_the_types_of_what_is_made() -> None:
-    tree, cache = make_tree(3), make_pair_cache(3, 7)
+    tree, cache = make_tree(3), make_pair_cache(3, 7, 4)
     assert isinstance(tree, Tree)
     assert isinstance(cache, PairCache)
-    assert cache.pairs.shape == cache.begun.shape == cache.ended.shape == (7, p.PAIR_WIDTH)
+    assert cache.pairs.shape == (7, p.PAIR_WIDTH)
+    assert (len(cache.begun), len(cache.ended), len(cache.free)) == (7, 7, 4)
     assert cache.lists.shape == (p.LISTS_WIDTH, 3)
 
 
@@ -399,7 +423,10 @@ def test_slots_that_were_freed_are_used_again(rng: np.random.Generator) -> None:
     scene = random_scene(rng, 60, planes=0)
     most = 0
     for _ in range(50):
-        most = max(most, scene.update())
+        scene.update()
+        for share in (0.3, 0.3):
+            scene.give_slots(rng, share)
+            most = max(most, len(scene.slots))
         drift(scene, rng, 60.0)
     assert scene.cache.counts[p.SLOTS] <= most
     array: Array = scene.bodies

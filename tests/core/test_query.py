@@ -31,7 +31,7 @@ class Scene:
         self.kinds[:, state.LAYER], self.kinds[:, state.MASK] = 1, -1
         self.kinds[:, state.MOBILITY] = state.DYNAMIC
         self.table, self.points = HullTable(), {}
-        self.tree, self.cache = make_tree(n), make_pair_cache(n, 64 * n)
+        self.tree, self.cache = make_tree(n), make_pair_cache(n, 64 * n, 1)
         for i, shape in enumerate(shapes):
             self.kinds[i, state.SHAPE] = shape
             self.bodies[i, state.POSITION : state.POSITION + 3] = rng.uniform(-spread, spread, size=3)
@@ -297,6 +297,6 @@ def test_too_little_room_is_counted_and_not_written_over(rng: np.random.Generato
 
 def test_an_empty_world_has_nothing_to_hit(rng: np.random.Generator) -> None:
     scene = Scene(rng, [state.SPHERE], 0.0)
-    scene.tree, scene.cache = make_tree(1), make_pair_cache(1, 1)
+    scene.tree, scene.cache = make_tree(1), make_pair_cache(1, 1, 1)
     assert scene.cast((0, 0, 0), (1, 0, 0), math.inf) == []
     assert scene.overlap(overlap_sphere, (0, 0, 0), 9.0) == []

@@ -19,8 +19,9 @@ from stiction.batch.workers import Failure, Workers
 from stiction.body import Body
 from stiction.contacts import contact_rows
 from stiction.core import state
-from stiction.core.pairs import PAIRS
+from stiction.core.pairs import PAIRS, SLOT
 from stiction.core.soft_report import report_contacts
+from stiction.core.tree import NONE
 from stiction.errors import InvalidInputError, NotYetError
 from stiction.hashing import state_hash
 from stiction.world import World
@@ -343,9 +344,9 @@ class Batch:
             raise InvalidInputError(f"state must be of {len(chosen)} worlds, or of one, got {len(value)}.")
         if value.n != self._blocks.n:
             raise InvalidInputError(f"state must be one of {self._blocks.n} bodies, got {value.n}.")
-        pairs = len(value.arrays["cache.pairs"][0])
-        if pairs > self._blocks.room.pairs:
-            self._blocks.grow(pairs)
+        room, pairs, slots = self._blocks.room, *(len(value.arrays[f"cache.{name}"][0]) for name in ("pairs", "free"))
+        if pairs > room.pairs or slots > room.slots:
+            self._blocks.grow(pairs, slots)
             self._workers.furnish(self._blocks)
         self._blocks.put(value.arrays, chosen)
         self._steps[chosen] = value.steps
@@ -363,15 +364,16 @@ class Batch:
         Returns:
             (m,) the world of each point, and (m,) rows of :data:`stiction.contacts.CONTACT_DTYPE`.
         """
-        numbers, tags = state.make_contacts(4 * self._blocks.room.pairs)
+        numbers, tags = state.make_contacts(4 * self._blocks.room.slots)
         found, rows = [], []
         for world in self._chosen(worlds).tolist():
             p = self._blocks.of_world(world, self._workers.desk)
             cache, soft = p["cache"], p["soft"]
+            pairs = cache.pairs[: cache.counts[PAIRS]]
+            pairs = pairs[pairs[:, SLOT] != NONE]
             count = report_contacts(
-                p["bodies"], cache.pairs, int(cache.counts[PAIRS]), soft.manifolds, soft.meta, soft.reports, numbers,
-                tags,
-            )  # fmt: skip
+                p["bodies"], pairs, len(pairs), soft.manifolds, soft.meta, soft.reports, numbers, tags
+            )
             rows.append(contact_rows(numbers[:count], tags[:count]))
             found.append(np.full(len(rows[-1]), world, np.int64))
         return np.concatenate(found), np.concatenate(rows)

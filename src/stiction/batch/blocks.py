@@ -40,10 +40,12 @@ KEPT_BY_RESET = (
 
 
 class Room(NamedTuple):
-    """For how many bodies, pairs and nodes of the tree a world has rows, and how many columns of a body are kept."""
+    """For how many bodies, pairs, pairs that touch and nodes of the tree a world has rows, and how many columns of a
+    body are kept."""
 
     bodies: int
     pairs: int
+    slots: int
     nodes: int
     columns: int
 
@@ -56,8 +58,8 @@ def arrays_with(room: Room, dtype: Any) -> dict[str, AnyArray]:
         kinds,
         np.zeros(state.LEDGER_WIDTH),
         tree=make_tree(room.bodies, room.nodes),
-        cache=make_pair_cache(room.bodies, room.pairs),
-        soft=soft_rows.make_soft(room.bodies, room.pairs, dtype),
+        cache=make_pair_cache(room.bodies, room.pairs, room.slots),
+        soft=soft_rows.make_soft(room.bodies, room.slots, dtype),
         scratch=soft_scratch.make_scratch(room.bodies),
     )
 
@@ -100,7 +102,7 @@ class Desk:
             made["soft.blocks"] = np.zeros((blocks * soft_rows.FIELDS, LANES), dtype)
             made["soft.members"] = np.zeros((soft_rows.MEMBERS * blocks, LANES), np.int32)
         self.together = max(1, min(LANES_FULL // room.bodies, MOST_TOGETHER))
-        self.lists = soft_scratch.make_desk(room.bodies, room.pairs, self.together, soft_scratch.ALWAYS)
+        self.lists = soft_scratch.make_desk(room.bodies, room.pairs, room.slots, self.together, soft_scratch.ALWAYS)
         self.arrays = {name: made[name] for name in DESKS} | {
             name: np.zeros((self.together * len(made[name]), made[name].shape[1]), made[name].dtype) for name in ROWS
         }
@@ -126,7 +128,8 @@ class Blocks:
         leaves = max(1, int(np.count_nonzero(shapes != state.PLANE)))
         self.room = Room(
             bodies=store.n,
-            pairs=max(1, store.n - 1, int(cache[PAIRS]), int(cache[SLOTS])),
+            pairs=max(1, store.n - 1, int(cache[PAIRS])),
+            slots=max(1, store.n - 1, int(cache[SLOTS])),
             nodes=max(2 * leaves - 1, int(store.tree.head[USED])),
             columns=state.BODY_WIDTH if (mobility == state.KINEMATIC).any() else state.SHORT_WIDTH,
         )
@@ -150,9 +153,9 @@ class Blocks:
         """A view of the same numbers of all bodies, (worlds, n, width)."""
         return self.each["bodies"][:, : self.n, start : start + width]
 
-    def grow(self, pairs: int) -> None:
-        """Make room for more pairs in every world."""
-        self.room = self.room._replace(pairs=pairs)
+    def grow(self, pairs: int, slots: int) -> None:
+        """Make room for at least so many pairs in every world, and so many that touch."""
+        self.room = self.room._replace(pairs=max(pairs, self.room.pairs), slots=max(slots, self.room.slots))
         for name, like in arrays_with(self.room, self.dtype).items():
             if name not in DESKS and like.shape != self.source[name].shape:
                 self.source[name] = fit(self.source[name], like)
@@ -196,12 +199,12 @@ class Blocks:
     def copy_of_world(self, world: int) -> dict[str, Any]:
         """The arrays of one world for a store of its own, with all columns of bodies and a desk."""
         rows = max(self.room.bodies, (self.room.nodes + 1) // 2)
-        room = Room(bodies=rows, pairs=self.room.pairs, nodes=2 * rows, columns=state.BODY_WIDTH)
+        room = self.room._replace(bodies=rows, nodes=2 * rows, columns=state.BODY_WIDTH)
         made = arrays_with(room, self.dtype)
         for name, like in made.items():
             if name not in DESKS:
                 made[name] = fit(self.each[name][world] if name in self.each else self.source[name], like)
-        return _grouped(made.__getitem__) | {"desk": soft_scratch.make_desk(room.bodies, room.pairs)}
+        return _grouped(made.__getitem__) | {"desk": soft_scratch.make_desk(room.bodies, room.pairs, room.slots)}
 
     def of_world(self, world: int, desk: Desk) -> dict[str, Any]:
         """The arrays of one world, views."""

@@ -86,10 +86,11 @@ class Workers:
 
     def _make_room(self, blocks: Blocks, reasons: AnyArray, numbers: AnyArray) -> None:
         """Grow what was too small for a step of some world."""
-        pairs = numbers[reasons == soft_step.MORE_PAIRS]
-        if len(pairs):
-            needed = int(pairs.max())
-            blocks.grow(needed + needed // 8)
+        pairs, slots = (
+            int(numbers[reasons == reason].max(initial=0)) for reason in (soft_step.MORE_PAIRS, soft_step.MORE_SLOTS)
+        )
+        if pairs or slots:
+            blocks.grow(pairs + pairs // 8, slots + slots // 8)
         wanted = numbers[reasons == soft_step.MORE_BLOCKS]
         if len(wanted):
             self._blocks = int(wanted.max()) + int(wanted.max()) // 4 + 1

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
+from stiction.core.apart import smaller_reach
 from stiction.core.faces import measure_face, order_points
 from stiction.core.jit import jit
 from stiction.core.state import (
@@ -24,7 +25,6 @@ from stiction.core.state import (
     MATERIAL,
     MOBILITY,
     NORMAL,
-    PLANE,
     POINT,
     RESTITUTION,
     ROLLING,
@@ -42,12 +42,6 @@ from stiction.core.state import (
 )
 from stiction.core.vec import Vec3, cross, dot, length, mat33, put_vec3, transpose, vec3
 
-SPECULATIVE = 0.005
-"""m, points are kept that far ahead besides what velocities ask for, or a twentieth of the smaller body if less."""
-SMALL = 0.05
-LOOK = 0.01
-"""m, and they are looked for still farther ahead, or a tenth of the smaller body, to know for how long nothing will
-come."""
 KEPT = 5e-4
 """m, a patch of three or four points is kept while the bodies have moved by less, or a five-hundredth of the
 smaller."""
@@ -57,13 +51,6 @@ STILL = 1e-9
 STILL_PART = 1e-3
 SAME_PLACE = 0.1
 """Of the patch's size: a point without a partner of the same feature inherits from the nearest old one this close."""
-EDITED_MOTION, FARTHEST = 1.0, 0.9
-"""m, by which a body counts as moved that was changed from outside; a pair is looked at again after less, however far
-apart it is."""
-NANO, FARTHEST_DUE = 1e9, 9e9
-"""Nanometres in a metre; m, what has moved farther is looked at in every step."""
-FORGOTTEN = 0.5
-"""Of the smaller body's reach: after so much motion the last direction of a pair is no hint any more."""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
 FLAT = 1e-4
@@ -82,89 +69,22 @@ LEAP = 0.3
 
 @jit
 def clear_manifold(manifolds, meta, reports, row):
-    """Nothing is known of a new pair."""
+    """Nothing is known of a pair that begins to touch."""
     for k in range(s.MANIFOLD_WIDTH):
         manifolds[row, k] = 0.0
     for k in range(s.META_WIDTH):
         meta[row, k] = 0.0
     for k in range(s.REPORT_WIDTH):
         reports[row, k] = 0.0
-    meta[row, s.SEEN] = -1e30
+    meta[row, s.MADE] = -1e30
     manifolds[row, s.FRESH] = s.NEW
 
 
 @jit
-def smaller_reach(pose, kinds, a, b):
-    """Reach of the smaller of two bodies, m; a plane is larger than anything."""
-    if kinds[a, SHAPE] == PLANE:
-        return pose[b + 1, s.POSE_REACH]
-    if kinds[b, SHAPE] == PLANE:
-        return pose[a + 1, s.POSE_REACH]
-    return min(pose[a + 1, s.POSE_REACH], pose[b + 1, s.POSE_REACH])
-
-
-@jit
-def is_kept(kinds, a, b, pose, meta, row):
-    """Whether the narrow phase would find what the manifold already has."""
-    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.SEEN]
-    if meta[row, s.POINTS] > 0.0:
-        return moved <= meta[row, s.LIMIT]
-    return meta[row, s.AHEAD] - moved >= margin_of(pose, kinds, a, b)
-
-
-@jit
-def due_of(pose, kinds, a, b, meta, row):
-    """Until the bodies of a pair without points have moved so far, together with how far they can come in a step, in
-    nanometres, :func:`is_kept` holds: a number for the list of pairs, which is read in its order, while the rows of
-    manifolds lie about in memory. 0 of a pair that has points."""
-    if meta[row, s.POINTS] > 0.0:
-        return 0
-    far = meta[row, s.SEEN] + meta[row, s.AHEAD] - margin_of(pose, kinds, a, b)
-    far += pose[a + 1, s.POSE_MARGIN] + pose[b + 1, s.POSE_MARGIN]
-    return int(min(max(far, 0.0), FARTHEST_DUE) * NANO)
-
-
-@jit
-def is_due(pose, a, b, due):
-    """Whether the manifold of a pair has to be looked at."""
-    far = pose[a + 1, s.POSE_MOTION] + pose[a + 1, s.POSE_MARGIN]
-    far += pose[b + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MARGIN]
-    return not far * NANO < due
-
-
-@jit
-def margin_of(pose, kinds, a, b):
-    """How far ahead contact points are needed in this step, m."""
-    speculative = min(SPECULATIVE, SMALL * smaller_reach(pose, kinds, a, b))
-    return speculative + pose[a + 1, s.POSE_MARGIN] + pose[b + 1, s.POSE_MARGIN]
-
-
-@jit
-def look_of(pose, kinds, a, b):
-    """How far beyond that contact points are looked for, m."""
-    return min(LOOK, 2.0 * SMALL * smaller_reach(pose, kinds, a, b))
-
-
-@jit
-def hint_of(kinds, a, b, manifolds, meta, pose, row):
-    """The direction from a to b that the narrow phase found last for this pair, world; zero if there is none, or if the
-    bodies have moved so far since that it says little."""
-    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.SEEN]
-    if moved > FORGOTTEN * smaller_reach(pose, kinds, a, b):
-        return Vec3(0.0, 0.0, 0.0)
-    return mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
-
-
-@jit
-def see_nothing(manifolds, meta, reports, pose, a, b, row, gap, toward):
-    """The pair has no points; its bodies are ``gap`` apart at least. ``toward`` is kept as the next hint."""
-    meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
-    meta[row, s.AHEAD] = min(gap, FARTHEST)
-    meta[row, s.POINTS] = 0
-    manifolds[row, s.FRESH] = s.NEW
-    put_vec3(manifolds, row, s.NORMAL_A, transpose(mat33(pose, a + 1, s.POSE_ROTATION)) @ toward)
-    for k in range(4):
-        reports[row, s.LIFT + k] = 0.0
+def is_kept(a, b, pose, meta, row):
+    """Whether the narrow phase would find the points that the manifold already has."""
+    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.MADE]
+    return meta[row, s.POINTS] > 0.0 and moved <= meta[row, s.LIMIT]
 
 
 @jit
@@ -176,7 +96,7 @@ def take_points(
     ``points`` is the scratch of the narrow phase, which may hold the whole face.
     """
     manifolds, meta, reports, pose = soft.manifolds, soft.meta, soft.reports, soft.pose
-    meta[row, s.SEEN] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
+    meta[row, s.MADE] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
     Ra, Rb = mat33(pose, a + 1, s.POSE_ROTATION), mat33(pose, b + 1, s.POSE_ROTATION)
     xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
     n = vec3(contacts, 0, NORMAL)

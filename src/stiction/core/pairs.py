@@ -2,8 +2,9 @@
 
 Every bounded body has a fat box in a tree (Catto's Box2D does the same). As long as its bounds stay inside, nothing is
 done for it; when they leave, it gets a new fat box, grown ahead along its motion, and only then are its pairs looked at
-again. A pair lives while the fat boxes overlap and keeps its slot all its life, so that what belongs to it (contact
-points, impulses) can stay in row ``slot`` of other arrays.
+again. A pair lives while the fat boxes overlap. Most never touch, and all that is known of those is in the list
+(``apart.py``); the others have a slot as long as they touch (``slots.py``): what belongs to them (contact points,
+impulses) stays in row ``slot`` of other arrays.
 
 The set of pairs and their order are functions of the boxes alone, not of the tree's shape; a body that meets nobody
 changes nothing for the others. Planes have no bounds and are not in the tree: a body meets a plane when its fat box
@@ -46,9 +47,10 @@ AHEAD = 3.0
 LOOSE = 3.0
 """A fat box with so many times the room that a new one would have is replaced: the body was fast and has slowed."""
 
-PAIR_A, PAIR_B, SLOT, DUE, PAIR_WIDTH = range(5)
-"""Columns of a list of pairs: the bodies, lower one first; the row in which what belongs to the pair is kept; and how
-far its bodies may have moved until that row has to be looked at, 0 of a pair that is new (``manifolds.due_of``)."""
+PAIR_A, PAIR_B, SLOT, DUE, SEEN, HINT, PAIR_WIDTH = range(7)
+"""Columns of a list of pairs: the bodies, lower one first; the row in which is kept what belongs to a pair that
+touches, or NONE; and of one that does not, how far its bodies may have moved until it has to be looked at, how far they
+had moved when it was, and the direction that was found (``apart.py``); 0 of a pair that is new."""
 
 PAIRS, BEGUN, ENDED, SLOTS, FREE, TOUCHED, MOVED, PLANES, COUNTS_WIDTH = range(9)
 """Entries of a cache's counts: rows in use of pairs, begun and ended; slots ever handed out; free slots; bodies to be
@@ -62,36 +64,37 @@ IS_TOUCHED, IS_MOVED, IS_PLANE, WAS_GOING = 1, 2, 4, 8
 
 
 class PairCache(NamedTuple):
-    """The pairs of n bodies, with room for p of them."""
+    """The pairs of n bodies, with room for p of them, of which m touch."""
 
     pairs: np.ndarray  # (p, PAIR_WIDTH) int64 all pairs, sorted by a, then b
-    begun: np.ndarray  # (p, PAIR_WIDTH) int64 those that are new since the update before, sorted
-    ended: np.ndarray  # (p, PAIR_WIDTH) int64 those that are gone since then, sorted, with the slots they had
-    free: np.ndarray  # (p,) int64 stack of free slots
+    begun: np.ndarray  # (p, 2) int32 bodies of those that are new since the update before, sorted
+    ended: np.ndarray  # (p,) int32 rows that those had which are gone since then, in their order
+    free: np.ndarray  # (m,) int64 stack of free slots
     marks: np.ndarray  # (n,) uint8
     lists: np.ndarray  # (LISTS_WIDTH, n) int64
     counts: np.ndarray  # (COUNTS_WIDTH,) int64
 
 
-def make_pair_cache(n: int, p: int) -> PairCache:
-    """No pairs yet, with room for n bodies and p pairs."""
+def make_pair_cache(n: int, p: int, m: int) -> PairCache:
+    """No pairs yet, with room for n bodies and p pairs, of which m touch."""
     return PairCache(
         pairs=zeros((p, PAIR_WIDTH), np.int64),
-        begun=zeros((p, PAIR_WIDTH), np.int64),
-        ended=zeros((p, PAIR_WIDTH), np.int64),
-        free=np.zeros(p, np.int64),
+        begun=zeros((p, 2), np.int32),
+        ended=np.zeros(p, np.int32),
+        free=np.zeros(m, np.int64),
         marks=np.zeros(n, np.uint8),
         lists=np.zeros((LISTS_WIDTH, n), np.int64),
         counts=np.zeros(COUNTS_WIDTH, np.int64),
     )
 
 
-def grow_pair_cache(cache: PairCache, n: int, p: int) -> PairCache:
-    """The same pairs with room for n bodies and p pairs, in new arrays."""
-    larger = make_pair_cache(n, p)
-    for old, new in zip(cache, larger, strict=True):
-        new[tuple(slice(k) for k in old.shape)] = old
-    return larger
+def resize_pair_cache(cache: PairCache, n: int, p: int, m: int) -> PairCache:
+    """The same pairs with room for n bodies and p pairs, of which m touch, in new arrays."""
+    other = make_pair_cache(n, p, m)
+    for old, new in zip(cache, other, strict=True):
+        both = tuple(slice(min(a, b)) for a, b in zip(old.shape, new.shape, strict=True))
+        new[both] = old[both]
+    return other
 
 
 # --- who may meet whom ------------------------------------------------------------------------------------------------
@@ -281,14 +284,14 @@ def find_pair(cache, a, b):
 
 @jit
 def _find_ended(tree, cache, bodies, kinds, dt):
-    """List the pairs of moved bodies that are no longer near each other; returns their number."""
+    """List the rows of the pairs of moved bodies that are no longer near each other; returns their number."""
     pairs, ended, marks, found = cache.pairs, cache.ended, cache.marks, 0
     for k in range(cache.counts[PAIRS]):
         a, b = pairs[k, PAIR_A], pairs[k, PAIR_B]
         if (marks[a] | marks[b]) & IS_MOVED and not (
             may_meet(kinds, a, b) and _are_near(tree, bodies, kinds, a, b, dt)
         ):
-            ended[found, PAIR_A], ended[found, PAIR_B], ended[found, SLOT] = a, b, pairs[k, SLOT]
+            ended[found] = k
             found += 1
     return found
 
@@ -351,53 +354,66 @@ def _sort(rows, n):
 
 
 @jit
-def _copy_row(rows, i, others, j):
+def _move_row(pairs, to, k):
     for c in range(PAIR_WIDTH):
-        rows[i, c] = others[j, c]
+        pairs[to, c] = pairs[k, c]
 
 
 @jit
 def _take_out(cache, gone):
-    """Free the slots of the first ``gone`` rows of ``ended``, and close the gaps that they leave in the list."""
+    """Free the slots of the pairs in the first ``gone`` rows of ``ended``, and close the gaps that they leave."""
     pairs, ended, counts = cache.pairs, cache.ended, cache.counts
-    for k in range(gone - 1, -1, -1):  # so that the first one's slot is the first to be used again
-        cache.free[counts[FREE]] = ended[k, SLOT]
-        counts[FREE] += 1
+    for j in range(gone - 1, -1, -1):  # so that the first one's slot is the first to be used again
+        drop_slot(cache, ended[j])
     if gone > 0:
-        first = find_pair(cache, ended[0, PAIR_A], ended[0, PAIR_B])
-        kept, next_gone = first, 0
-        for k in range(first, counts[PAIRS]):
-            if next_gone < gone and pairs[k, SLOT] == ended[next_gone, SLOT]:
+        kept, next_gone = ended[0], 0
+        for k in range(ended[0], counts[PAIRS]):
+            if next_gone < gone and k == ended[next_gone]:
                 next_gone += 1
             else:
-                _copy_row(pairs, kept, pairs, k)
+                _move_row(pairs, kept, k)
                 kept += 1
         counts[PAIRS] = kept
     counts[ENDED] = gone
 
 
 @jit
+def drop_slot(cache, k):
+    """Free the slot of the pair in row k, if it has one."""
+    if cache.pairs[k, SLOT] != NONE:
+        cache.free[cache.counts[FREE]] = cache.pairs[k, SLOT]
+        cache.counts[FREE] += 1
+        cache.pairs[k, SLOT] = NONE
+
+
+@jit
+def give_slot(cache, k):
+    """Give the pair in row k a slot; returns it. There has to be room."""
+    if cache.counts[FREE] > 0:
+        cache.counts[FREE] -= 1
+        slot = cache.free[cache.counts[FREE]]
+    else:
+        slot = cache.counts[SLOTS]
+        cache.counts[SLOTS] += 1
+    cache.pairs[k, SLOT] = slot
+    return slot
+
+
+@jit
 def _put_in(cache, new):
-    """Sort the first ``new`` rows of ``begun``, give them slots and merge them into the list, from its end."""
+    """Sort the first ``new`` rows of ``begun`` and merge them into the list, from its end."""
     pairs, begun, counts = cache.pairs, cache.begun, cache.counts
     _sort(begun, new)
-    for k in range(new):
-        if counts[FREE] > 0:
-            counts[FREE] -= 1
-            begun[k, SLOT] = cache.free[counts[FREE]]
-        else:
-            begun[k, SLOT] = counts[SLOTS]
-            counts[SLOTS] += 1
-        begun[k, DUE] = 0
     old, to = counts[PAIRS] - 1, counts[PAIRS] + new - 1
     left = new - 1
     while left >= 0:
         a, b = begun[left, PAIR_A], begun[left, PAIR_B]
         if old >= 0 and (pairs[old, PAIR_A] > a or (pairs[old, PAIR_A] == a and pairs[old, PAIR_B] > b)):
-            _copy_row(pairs, to, pairs, old)
+            _move_row(pairs, to, old)
             old -= 1
         else:
-            _copy_row(pairs, to, begun, left)
+            pairs[to, PAIR_A], pairs[to, PAIR_B], pairs[to, SLOT] = a, b, NONE
+            pairs[to, DUE] = pairs[to, SEEN] = pairs[to, HINT] = 0
             left -= 1
         to -= 1
     counts[PAIRS] += new
@@ -411,9 +427,8 @@ def _put_in(cache, new):
 def update_pairs(tree, cache, bodies, kinds, awake, count, dt):
     """Bring the pairs up to date with the bounds of the first ``count`` bodies of ``awake``; returns their number.
 
-    ``begun`` and ``ended`` list what changed; a slot may be in both, so what belongs to the ended pairs has to be
-    cleared first. If the number returned exceeds the room, then the pairs are as they were: with more room
-    (:func:`grow_pair_cache`) a second call does what this one would have done.
+    ``begun`` and ``ended`` list what changed. If the number returned exceeds the room, then the pairs are as they were:
+    with more room (:func:`resize_pair_cache`) a second call does what this one would have done.
     """
     counts = cache.counts
     counts[BEGUN] = counts[ENDED] = 0
@@ -452,7 +467,7 @@ def forget_body(tree, cache, i):
     pairs, gone = cache.pairs, 0
     for k in range(cache.counts[PAIRS]):
         if pairs[k, PAIR_A] == i or pairs[k, PAIR_B] == i:
-            _copy_row(cache.ended, gone, pairs, k)
+            cache.ended[gone] = k
             gone += 1
     _take_out(cache, gone)
     cache.counts[BEGUN] = 0

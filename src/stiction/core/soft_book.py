@@ -107,8 +107,8 @@ def cache_at(book, w):
     """The pairs."""
     k = CACHE
     return PairCache(
-        matrix_at(book, k, w, 0), matrix_at(book, k + 1, w, 0),
-        matrix_at(book, k + 2, w, 0), vector_at(book, k + 3, w, 0),
+        matrix_at(book, k, w, 0), matrix_at(book, k + 1, w, np.int32(0)),
+        vector_at(book, k + 2, w, np.int32(0)), vector_at(book, k + 3, w, 0),
         vector_at(book, k + 4, w, np.uint8(0)), matrix_at(book, k + 5, w, 0), vector_at(book, k + 6, w, 0),
     )  # fmt: skip
 
@@ -145,12 +145,12 @@ def scratch_at(book, w):
 @inlined
 def desk_at(book):
     """The lists of the steps taken at this desk."""
-    k = DESK
+    k, small = DESK, np.int32(0)
     return Desk(
-        matrix_at(book, k, 0, 0), matrix_at(book, k + 1, 0, 0),
-        matrix_at(book, k + 2, 0, 0.0), matrix_at(book, k + 3, 0, 0), matrix_at(book, k + 4, 0, 0),
-        matrix_at(book, k + 5, 0, 0), matrix_at(book, k + 6, 0, 0), vector_at(book, k + 7, 0, 0),
-        matrix_at(book, k + 8, 0, 0.0), matrix_at(book, k + 9, 0, 0), matrix_at(book, k + 10, 0, 0.0),
+        matrix_at(book, k, 0, small), matrix_at(book, k + 1, 0, small), matrix_at(book, k + 2, 0, 0),
+        matrix_at(book, k + 3, 0, 0.0), matrix_at(book, k + 4, 0, small), matrix_at(book, k + 5, 0, 0),
+        matrix_at(book, k + 6, 0, 0), matrix_at(book, k + 7, 0, 0), vector_at(book, k + 8, 0, 0),
+        matrix_at(book, k + 9, 0, 0.0), matrix_at(book, k + 10, 0, 0), matrix_at(book, k + 11, 0, 0.0),
     )  # fmt: skip
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
+from stiction.core.apart import EDITED_MOTION
 from stiction.core.integrate import keep_body
 from stiction.core.jit import jit
-from stiction.core.manifolds import EDITED_MOTION
 from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, is_sensed, touch_body
 from stiction.core.sleep import wake_island
 from stiction.core.soft_bodies import begin_body

@@ -39,7 +39,9 @@ def assist(book: Table, one: Number, team: Crew, worker: int) -> int:
         if words[JOB] == HOME:
             return 0
         if words[JOB] == FIND:
-            call_find(part_at(book, FIND_PART), (book, 0, 0, 0, words[COUNT], numbers[0], numbers[1], one, team))
+            call_find(
+                part_at(book, FIND_PART), (book, 0, 0, words[COUNT], words[MANY], numbers[0], numbers[1], one, team)
+            )
             meet(team)
         else:
             h, fresh = numbers[0], int(numbers[1])

@@ -49,15 +49,15 @@ def pairs(book: Table, w: int, awake: int, dt: float) -> int:
 
 @part
 def find(
-    book: Table, w: int, place: int, start: int, count: int, slow: float, dt: float, one: Number, team: Crew,
+    book: Table, w: int, place: int, count: int, again: int, slow: float, dt: float, one: Number, team: Crew,
     boxes_meet: Switch, hulls: Switch,
 ) -> int:  # fmt: skip
-    """:func:`stiction.core.find.update_manifolds` of so many pairs of a world, whose bodies begin at ``place``, and its
-    active manifolds at ``start``, on the desk."""
+    """:func:`stiction.core.find.update_manifolds` of so many pairs of a world, whose bodies begin at ``place`` on the
+    desk; ``again`` of those that have got a slot."""
     bodies, kinds, table, _, _, _ = rows_of(book, w)
     desk = desk_at(book)
     update_manifolds(
-        bodies, kinds, cache_at(book, w).pairs, count, soft_at(book, w, place, one), desk.active[start:], desk.contacts,
+        bodies, kinds, cache_at(book, w).pairs, count, again, soft_at(book, w, place, one), desk.looked, desk.contacts,
         desk.tags, desk.points, table, slow, dt, boxes_meet, hulls_at(book, w, hulls), team,
     )  # fmt: skip
     return 0

@@ -63,11 +63,11 @@ PLACE, HELD = HERE_A, HERE_B
 OLD, NEW, QUIET = 0.0, 1.0, 2.0
 """What FRESH says of a manifold: made before this step; in it; in it, and its bodies hardly move against each other."""
 
-(SEEN, AHEAD, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, SIZE2, RESTITUTION, RISE, META_WIDTH) = _starts(
-    1, 1, 1, 1, 4, 3, 3, 1, 1, 1, 1
+(MADE, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, SIZE2, RESTITUTION, RISE, META_WIDTH) = _starts(
+    1, 1, 1, 4, 3, 3, 1, 1, 1, 1
 )
-"""Columns of what a manifold keeps in float64: how far both bodies had moved when it was made, m; the margin it was
-looked for with, m; how far they may move until it is made anew, m; how many points and their features (whole numbers);
+"""Columns of what a manifold keeps in float64: how far both bodies had moved when it was made, m; how far they
+may move until it is made anew, m; how many points and their features (whole numbers);
 the anchor in the axes of a and of b, from their centres of mass, m; how far both bodies had moved when the arms were
 computed last, m; mean square distance of the points from the anchor, m^2;
 the pair's coefficient of restitution; by how much points lie higher along the normal where they are further apart."""
@@ -142,17 +142,17 @@ can come towards another body in this step, m; 1 if its surface moves by itself.
 
 
 class Soft(NamedTuple):
-    """Arrays of the soft solver with room for n bodies, p pairs and as many manifolds in blocks."""
+    """Arrays of the soft solver with room for n bodies, m pairs that touch and as many manifolds in blocks."""
 
-    manifolds: np.ndarray  # (p + 1, MANIFOLD_WIDTH), row 0 is nobody's: what pads a block
-    meta: np.ndarray  # (p + 1, META_WIDTH) float64
-    reports: np.ndarray  # (p + 1, REPORT_WIDTH)
+    manifolds: np.ndarray  # (m + 1, MANIFOLD_WIDTH), row 0 is nobody's: what pads a block
+    meta: np.ndarray  # (m + 1, META_WIDTH) float64
+    reports: np.ndarray  # (m + 1, REPORT_WIDTH)
     blocks: np.ndarray  # (blocks x FIELDS, 8)
     members: np.ndarray  # (MEMBERS x blocks, 8) int32: rows of bodies a and b, and of the manifold; the world; the kind
     rows: np.ndarray  # (n + 1, ROW_WIDTH)
     aux: np.ndarray  # (n + 1, AUX_WIDTH)
     pose: np.ndarray  # (n + 1, POSE_WIDTH) float64
-    corners: np.ndarray  # (p + 1, CORNERS_WIDTH)
+    corners: np.ndarray  # (m + 1, CORNERS_WIDTH)
     grain: np.ndarray  # (n + 1, 3) float64, direction of the surface in the shape's axes, or zero
 
 
@@ -165,20 +165,20 @@ def members_from(soft, first):
     )  # fmt: skip
 
 
-def make_soft(n: int, p: int, dtype: type = np.float32, blocks: int | None = None) -> Soft:
-    """Zeroed arrays. Unless it is said how many blocks there are, room for all pairs to touch: each colour may leave a
+def make_soft(n: int, m: int, dtype: type = np.float32, blocks: int | None = None) -> Soft:
+    """Zeroed arrays. Unless it is said how many blocks there are, room for all manifolds: each colour may leave a
     block that is partly filled."""
     if blocks is None:
-        blocks = p // LANES + 128 + p // 16
+        blocks = m // LANES + 128 + m // 16
     return Soft(
-        manifolds=zeros((p + 1, MANIFOLD_WIDTH), dtype),
-        meta=zeros((p + 1, META_WIDTH)),
-        reports=zeros((p + 1, REPORT_WIDTH), dtype),
+        manifolds=zeros((m + 1, MANIFOLD_WIDTH), dtype),
+        meta=zeros((m + 1, META_WIDTH)),
+        reports=zeros((m + 1, REPORT_WIDTH), dtype),
         blocks=zeros((blocks * FIELDS, LANES), dtype),
         members=zeros((MEMBERS * blocks, LANES), np.int32),
         rows=zeros((n + 1, ROW_WIDTH), dtype),
         aux=zeros((n + 1, AUX_WIDTH), dtype),
         pose=zeros((n + 1, POSE_WIDTH)),
-        corners=zeros((p + 1, CORNERS_WIDTH), dtype),
+        corners=zeros((m + 1, CORNERS_WIDTH), dtype),
         grain=zeros((n + 1, 3)),
     )

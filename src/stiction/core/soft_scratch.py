@@ -13,6 +13,7 @@ import numpy as np
 from stiction.core.colouring import GROUPS, WAYS
 from stiction.core.memory import zeros
 from stiction.core.pieces import PIECE_WIDTH, room_for_pieces
+from stiction.core.slots import LOOKED_WIDTH
 from stiction.core.solve.exact import TALLY
 from stiction.core.state import CONTACT_WIDTH, SCRATCH, TAGS_WIDTH
 
@@ -53,14 +54,15 @@ class Scratch(NamedTuple):
 
 
 class Desk(NamedTuple):
-    """Lists of a step of some worlds, of n bodies and p pairs each."""
+    """Lists of a step of some worlds, of n bodies and p pairs each, of which m touch."""
 
-    active: np.ndarray  # (worlds x p, 4) int64: a, b, slot, place (colouring) of the manifolds with points
+    looked: np.ndarray  # (p, LOOKED_WIDTH) int32: what was found of each pair of a world; those to be looked at
+    active: np.ndarray  # (worlds x m, 4) int32: a, b, slot, place (colouring) of the manifolds with points
     lists: np.ndarray  # (LISTS, worlds x (n + 1)) int64
     normals: (
         np.ndarray
     )  # (worlds x (n + 1), 3) of the plane in which a row glides, or the acceleration with which it falls
-    ordered: np.ndarray  # (p, 4) int64, scratch: active manifolds in the order of their pieces
+    ordered: np.ndarray  # (m, 4) int32, scratch: active manifolds in the order of their pieces
     pieces: np.ndarray  # (pieces, PIECE_WIDTH) int64 (pieces.py)
     sizes: np.ndarray  # (pieces, (1 + WAYS) GROUPS) int64: manifolds of each group; where those begin that did alike
     notes: np.ndarray  # (worlds, NOTES) int64
@@ -77,14 +79,15 @@ def make_scratch(n: int) -> Scratch:
     return scratch
 
 
-def make_desk(n: int, p: int, worlds: int = 1, fill: int = NEVER) -> Desk:
-    """Room for so many worlds of n bodies and p pairs; only one that is alone is cut into pieces."""
-    pieces = room_for_pieces(p) if worlds == 1 else 1
+def make_desk(n: int, p: int, m: int, worlds: int = 1, fill: int = NEVER) -> Desk:
+    """Room for so many worlds of n bodies and p pairs, of which m touch; only one that is alone is cut into pieces."""
+    pieces = room_for_pieces(m) if worlds == 1 else 1
     desk = Desk(
-        active=zeros((worlds * p, 4), np.int64),
+        looked=zeros((p, LOOKED_WIDTH), np.int32),
+        active=zeros((worlds * m, 4), np.int32),
         lists=zeros((LISTS, worlds * (n + 1)), np.int64),
         normals=zeros((worlds * (n + 1), 3)),
-        ordered=zeros((p if pieces > 1 else 1, 4), np.int64),
+        ordered=zeros((m if pieces > 1 else 1, 4), np.int32),
         pieces=np.zeros((pieces, PIECE_WIDTH), np.int64),
         sizes=np.zeros((pieces, (1 + WAYS) * GROUPS), np.int64),
         notes=np.zeros((worlds, NOTES), np.int64),

@@ -23,11 +23,11 @@ from stiction.core.find import list_manifolds
 from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import clear_manifold, drive_work
-from stiction.core.pairs import BEGUN, SLOT
+from stiction.core.manifolds import drive_work
 from stiction.core.pieces import BLOCK, COUNT, FIRST, MOVER, MOVERS, PIECE, UNCUT_FOR, cut
 from stiction.core.pieces import BLOCKS as BLOCKS_HERE
 from stiction.core.sleep import PERIOD, put_to_sleep
+from stiction.core.slots import hand_out
 from stiction.core.soft_book import (
     LEDGER,
     bounces_at,
@@ -104,7 +104,7 @@ from stiction.core.state import EDITS, FRICTION, IMPACTS, INITIAL, MECHANICAL, N
 from stiction.core.team import FIND, SOLVE, call, meet
 from stiction.core.vec import length
 
-DONE, MORE_PAIRS, MORE_BLOCKS, BLOWN_UP, MORE_CONTACTS, GOES = range(6)
+DONE, MORE_PAIRS, MORE_SLOTS, MORE_BLOCKS, BLOWN_UP, MORE_CONTACTS, GOES = range(7)
 """Why a world has stopped, or that it has not."""
 
 TAKEN, REASON, NUMBER, OUTCOME_WIDTH = range(4)
@@ -122,9 +122,9 @@ def take_steps(steps, n, book, first, last, outcomes, one, bounces, laws, exact,
     """Steps of the worlds from ``first`` to before ``last``, of n bodies each, until each has taken so many.
 
     ``outcomes`` (worlds, OUTCOME_WIDTH) has how many it has taken, why it returned, and a number that goes with the
-    reason. When there is no room for a step's pairs, blocks or impacts a world stops before that step has changed
-    anything but the manifolds, which are found anew or kept when it is taken again, with the room that is needed; when
-    a body would no longer be finite, with that body, and all bodies as they were before.
+    reason. When there is no room for a step's pairs, slots, blocks or impacts a world stops before that step has
+    changed anything but the manifolds, which are found anew or kept when it is taken again, with the room that is
+    needed; when a body would no longer be finite, with that body, and all bodies as they were before.
     ``bounces``: whether a pair bounces; ``laws``: whether one has more than constant coefficients; ``exact``: whether
     this is the exact solver. ``team``: None, or the :class:`stiction.core.team.Team` whose other workers are in
     :func:`stiction.core.soft_entry.assist`.
@@ -211,13 +211,15 @@ def find_contacts(n, book, w, note, outcomes, one, bounces, laws, exact, team):
         if pairs > cache.pairs.shape[0]:
             stop(n, book, w, outcomes, MORE_PAIRS, pairs)
             return False
-        for k in range(cache.counts[BEGUN]):
-            clear_manifold(soft.manifolds, soft.meta, soft.reports, cache.begun[k, SLOT] + 1)
         lap(profile, 1)
-        call(team, FIND, pairs, 0, 0, SLOW * g * dt, dt)
-        call_find(part_at(book, FIND_PART), (book, w, note[PLACE], note[FROM], pairs, SLOW * g * dt, dt, one, team))
-        meet(team)
-        active, woke = list_manifolds(bodies, kinds, n, cache.pairs, pairs, active_ones)
+        find_points(book, w, note, pairs, 0, SLOW * g * dt, dt, one, team)
+        wanted, needed = hand_out(cache, desk.looked, pairs, soft)
+        if needed > cache.free.shape[0]:
+            stop(n, book, w, outcomes, MORE_SLOTS, needed)
+            return False
+        if wanted > 0:
+            find_points(book, w, note, pairs, 1, SLOW * g * dt, dt, one, team)
+        active, woke = list_manifolds(bodies, kinds, n, cache.pairs, pairs, desk.looked, active_ones)
         counts[STALE] |= woke
         lap(profile, 2)
     hard = is_uneven(kinds, soft.aux, soft.meta, active_ones, active)
@@ -240,6 +242,14 @@ def find_contacts(n, book, w, note, outcomes, one, bounces, laws, exact, team):
     if laws or exact:
         return True
     return fresh > NOTHING_NEW or impacts > 0 or hard != 0
+
+
+@jit
+def find_points(book, w, note, pairs, again, slow, dt, one, team):
+    """The narrow phase, by all workers; ``again`` (0 or 1) of pairs that have just got a slot."""
+    call(team, FIND, pairs, again, 0, slow, dt)
+    call_find(part_at(book, FIND_PART), (book, w, note[PLACE], pairs, again, slow, dt, one, team))
+    meet(team)
 
 
 @jit
@@ -354,13 +364,13 @@ def fill_piece(book, first, worlds, notes, soft, piece, pieces, moving, one):
     the next ones begin."""
     desk, here = desk_at(book), desk_at(book).pieces[piece]
     sizes, starts, blocks = desk.sizes[piece, :GROUPS], desk.sizes[piece, GROUPS:], here[BLOCKS_HERE]
-    places, pairs = places_of(desk), soft.manifolds.shape[0] // worlds
+    places, slots = places_of(desk), soft.manifolds.shape[0] // worlds
     empty_blocks(sizes, starts, soft.members, blocks)
     here[MOVER] = moving
     for j in range(worlds):
         if notes[j, ROLE] == WAITS:
             active, count = part_of(desk, notes, j, piece, pieces)
-            fill_blocks(active, count, starts, soft.members, blocks, j, places, pairs)
+            fill_blocks(active, count, starts, soft.members, blocks, j, places, slots)
             moving += list_bodies(book, first + j, j * places, active, count, moving, notes[j], one)
     here[MOVERS] = moving - here[MOVER]
     return moving
