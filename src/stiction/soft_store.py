@@ -175,7 +175,7 @@ class SoftStore(Store):
         substeps = settings.substeps * (2 if self.scratch.counts[soft_scratch.HARD] and not self.rigid else 1)
         h, soft, counts = settings.dt / substeps, self.soft, self.desk.pieces[:, pieces.BLOCKS]
         if counts[0] == blocks:
-            return float(exact.measure_miss(soft.blocks, soft.members, blocks, soft.rows, h, laws))
+            return float(exact.measure_miss(soft.blocks, soft.members, blocks, soft.rows, h, substeps, laws))
         ends = counts.cumsum()
         misses: list[float] = []
         for end, count in zip(ends[ends <= blocks].tolist(), counts.tolist(), strict=False):

@@ -9,6 +9,7 @@ import pytest
 
 from stiction.core import soft_rows as s
 from stiction.core.colouring import POINT, WAYS, way_of
+from stiction.core.jit import jit
 from stiction.core.lanes import LANES, store
 from stiction.core.manifolds import NOWHERE
 from stiction.core.solve.blocks import prepare_block
@@ -24,17 +25,26 @@ from .test_blocks import Pair
 H, SUBSTEPS = 1 / 240, 4
 
 
+@jit
+def go(rows: Any, h: float) -> None:
+    """Where the bodies are at the end of a substep."""
+    for r in range(rows.shape[0]):
+        for k in range(8):
+            rows[r, s.ROW_D + k] += rows[r, s.ROW_V + k] * h
+
+
 def as_points(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, rows: Any, h: float, cold: int) -> None:
     """A step of one block of points."""
     beta, soft, stiff_beta, stiff_soft = softness(h)
     prepare_points(0, blocks, index, 1, manifolds, aux, h, beta, soft, stiff_beta, stiff_soft)
     warm_points(0, blocks, index, 1, rows)
     for _ in range(cold):
-        solve_points(0, blocks, index, 1, rows, h, True, False)
+        solve_points(0, blocks, index, 1, rows, h, 0.0, True, False)
     if cold > 0:
         lift_points(0, blocks)
-    for _ in range(SUBSTEPS):
-        solve_points(0, blocks, index, 1, rows, h, False, True)
+    for k in range(SUBSTEPS):
+        solve_points(0, blocks, index, 1, rows, h, k * h, False, True)
+        go(rows, h)
 
 
 def as_faces(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, rows: Any, h: float, cold: int) -> None:
@@ -43,11 +53,12 @@ def as_faces(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, ro
     prepare_block(0, blocks, index, 1, manifolds, corners, aux, h, beta, soft, stiff_beta, stiff_soft, None)
     warm_block(0, blocks, index, 1, rows, aux, None)
     for _ in range(cold):
-        solve_block(0, blocks, index, 1, rows, h, True, False, None, None, None)
+        solve_block(0, blocks, index, 1, rows, aux, h, 0.0, True, False, None, None, None)
     if cold > 0:
         lift_block(0, blocks)
-    for _ in range(SUBSTEPS):
-        solve_block(0, blocks, index, 1, rows, h, False, True, None, None, None)
+    for k in range(SUBSTEPS):
+        solve_block(0, blocks, index, 1, rows, aux, h, k * h, False, True, None, None, None)
+        go(rows, h)
 
 
 class Step:
@@ -74,6 +85,11 @@ class Step:
         if fixed:
             speeds[::2] = 0.0
         self.rows[1:, s.ROW_V : s.ROW_V + 3], self.rows[1:, s.ROW_W : s.ROW_W + 3] = speeds[:, :3], speeds[:, 3:]
+        start = rng.choice([0.03, 1.0]) * rng.normal(size=(2 * LANES, 6))
+        if fixed:
+            start[::2] = 0.0
+        self.aux[1:, s.AUX_START_V : s.AUX_START_V + 3] = start[:, :3]
+        self.aux[1:, s.AUX_START_W : s.AUX_START_W + 3] = start[:, 3:]
 
     def take(self, kernel: Any, cold: int) -> tuple[Array, Array]:
         """The rows of bodies and the block after a step."""
@@ -117,6 +133,30 @@ def test_a_point_does_what_a_face_without_extent_does(
             np.testing.assert_allclose(mine, other, rtol=2e-4, atol=1e-4 * max(np.abs(other).max(), 1e-9))
 
 
+@pytest.mark.parametrize("kernel", [as_points, as_faces], ids=["points", "faces"])
+@pytest.mark.parametrize("fresh", [s.OLD, s.NEW], ids=["old", "new"])
+def test_it_does_not_matter_from_where_velocities_are_counted(
+    rng: np.random.Generator, kernel: Any, fresh: float
+) -> None:
+    """In rows since the step began, or all of them in the rows: impulses and separations are the same."""
+    for state in (s.STUCK, s.SLIDING):
+        for _ in range(20):
+            since, whole = (
+                Step(np.random.default_rng(seed), False, state, fresh) for seed in 2 * [rng.integers(2**32)]
+            )
+            for row, start in ((s.ROW_V, s.AUX_START_V), (s.ROW_W, s.AUX_START_W)):
+                whole.rows[:, row : row + 3] += whole.aux[:, start : start + 3]
+                whole.aux[:, start : start + 3] = 0.0
+            cold = 0 if fresh == s.OLD else 3
+            (rows, blocks), (wanted_rows, wanted) = since.take(kernel, cold), whole.take(kernel, cold)
+            time = SUBSTEPS * H
+            for row, start in ((s.ROW_V, s.AUX_START_V), (s.ROW_W, s.AUX_START_W)):
+                rows[:, row : row + 3] += since.aux[:, start : start + 3]
+                rows[:, row + 8 : row + 11] += since.aux[:, start : start + 3] * time
+            np.testing.assert_allclose(rows, wanted_rows, rtol=1e-9, atol=1e-9)
+            np.testing.assert_allclose(blocks[SAME], wanted[SAME], rtol=1e-9, atol=1e-9)
+
+
 def of_one_point(torsional: float, rolling: float, points: float = 1.0) -> int:
     row = np.zeros((1, s.MANIFOLD_WIDTH))
     row[0, s.COUNT], row[0, s.TORSIONAL], row[0, s.ROLLING] = points, torsional, rolling
@@ -132,12 +172,12 @@ def test_what_resists_turning_is_no_point() -> None:
 
 def misses_as_points(blocks: Any, index: Any, rows: Any) -> None:
     """Into the block: how far its points are from their laws."""
-    store(blocks, s.B_MISS, miss_of_points(0, blocks, index, 1, rows, H))
+    store(blocks, s.B_MISS, miss_of_points(0, blocks, index, 1, rows, H, SUBSTEPS * H))
 
 
 def misses_as_faces(blocks: Any, index: Any, rows: Any) -> None:
     """The same of faces."""
-    store(blocks, s.B_MISS, miss_of_block(0, blocks, index, 1, rows, H, None, True))
+    store(blocks, s.B_MISS, miss_of_block(0, blocks, index, 1, rows, H, SUBSTEPS * H, None, True))
 
 
 @pytest.mark.parametrize("state", [s.STUCK, s.SLIDING], ids=["stuck", "sliding"])

@@ -64,6 +64,8 @@ so; or, if its contacts carry nothing yet, with the mean of what gravity and for
 
 NO_TURN = 1e-6
 """rad, turning by less in a step changes nothing that matters."""
+ROUNDING = 1e-14
+"""Of a spin energy, by which it may seem to have changed."""
 
 
 @jit
@@ -93,11 +95,12 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     aux[r, s.AUX_MASS] = bodies[i, INVERSE_MASS]
     if kinds[i, MOBILITY] == DYNAMIC:
         # the gyroscopic term acts first, once and implicitly
-        w = gyroscopic(R, mat33(bodies, i, INERTIA), w, dt)
+        turned = gyroscopic(R, mat33(bodies, i, INERTIA), w, dt) - w
         I = world_inverse_inertia(R, mat33(bodies, i, INVERSE_INERTIA))
         a, angular = gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS], I @ vec3(bodies, i, TORQUE)
-        put_vec3(rows, r, s.ROW_V, v + a * h)
-        put_vec3(rows, r, s.ROW_W, w + angular * h)
+        put_vec3(rows, r, s.ROW_V, a * h)
+        put_vec3(rows, r, s.ROW_W, turned + angular * h)
+        put_vec3(aux, r, s.AUX_OLD_W, turned)
         put_vec3(aux, r, s.AUX_INERTIA, Vec3(I.xx, I.xy, I.xz))
         put_vec3(aux, r, s.AUX_INERTIA + 3, Vec3(I.yy, I.yz, I.zz))
     else:
@@ -107,12 +110,14 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
         new_v, new_w = v, w
         if kinds[i, MOBILITY] == KINEMATIC:
             v, w = vec3(bodies, i, V_START), vec3(bodies, i, W_START)
-        put_vec3(rows, r, s.ROW_V, v + (new_v - v) * part)
-        put_vec3(rows, r, s.ROW_W, w + (new_w - w) * part)
+        put_vec3(rows, r, s.ROW_V, (new_v - v) * part)
+        put_vec3(rows, r, s.ROW_W, (new_w - w) * part)
+        put_vec3(aux, r, s.AUX_OLD_W, Vec3(0.0, 0.0, 0.0))
         for k in range(s.AUX_MASS, s.AUX_WORK):
             aux[r, k] = 0.0
-    put_vec3(aux, r, s.AUX_OLD_V, v)
-    put_vec3(aux, r, s.AUX_OLD_W, w)
+    put_vec3(aux, r, s.AUX_OLD_V, Vec3(0.0, 0.0, 0.0))
+    put_vec3(aux, r, s.AUX_START_V, v)
+    put_vec3(aux, r, s.AUX_START_W, w)
     aux[r, s.AUX_WORK] = 0.0
     begin_lean(bodies, kinds, i, aux, gravity * (-1.0 / g if g > 0.0 else 0.0), x)
 
@@ -156,21 +161,21 @@ def finish_contact(bodies, i, pose, rows, aux, dt, ledger):
     """Take velocities and displacement of a dynamic body in contact over from its row."""
     r = i + 1
     v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
-    v1, w1 = wide(vec3(rows, r, s.ROW_V)), wide(vec3(rows, r, s.ROW_W))
+    v1, w1 = v0 + wide(vec3(rows, r, s.ROW_V)), w0 + wide(vec3(rows, r, s.ROW_W))
     put_vec3(bodies, i, V, v1)
     put_vec3(bodies, i, W, w1)
     enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
     bodies[i, FRICTION_WORK] += aux[r, s.AUX_WORK]
-    angle = wide(vec3(rows, r, s.ROW_TURN))
+    dx, angle = v0 * dt + wide(vec3(rows, r, s.ROW_D)), w0 * dt + wide(vec3(rows, r, s.ROW_TURN))
     keep_lean(bodies, i, aux, angle)
     turns = dot(angle, angle) > NO_TURN * NO_TURN
     had = spin_energy(bodies, i) if turns else 0.0
-    _go(bodies, i, pose, wide(vec3(rows, r, s.ROW_D)), angle, dt)
+    _go(bodies, i, pose, dx, angle, dt)
     # The passes see the inertia of the start, and what changes its spin within the step turns about another axis than
     # that of its last spin: a needle that rolled fast would keep its spin and no longer have it along itself.
     if turns:
         has = spin_energy(bodies, i)
-        if has > had:
+        if has > had * (1.0 + ROUNDING):
             put_vec3(bodies, i, W, w1 * math.sqrt(had / has))
 
 

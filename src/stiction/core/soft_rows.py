@@ -5,10 +5,12 @@ Three kinds of rows, in the solver's own precision (float32 unless double is ask
 manifolds   80 numbers a pair: frame, points, impulses, friction state. They live as long as the pair.
 blocks      eight manifolds side by side, made anew each step from the manifolds, in the order of the colours: number k
             of the eight is a vector, so a block is FIELDS vectors of eight lanes.
-rows        a body's velocities and displacements since the step began, one cache line a body, row 0 for nobody.
+rows        how a body's velocities and place differ from those of the start of the step and of going on with them, one
+            cache line a body, row 0 for nobody.
 
 Positions stay in float64: a manifold keeps its anchors in the two bodies' own frames in float64, and only their
-difference, a few millimetres, goes into the lanes. So float32 costs nothing a kilometre from the origin.
+difference, a few millimetres, goes into the lanes; and a body keeps its velocities in float64, to which a step adds
+what it has changed them by. So float32 costs nothing a kilometre from the origin, nor at a thousand metres a second.
 """
 
 from __future__ import annotations
@@ -85,7 +87,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     B_MU_S, B_MU_D,
     B_RIGID,  # 1 / K_nn at the centre of pressure: the load that would stop the closing that is left
     B_LEFT,  # closing speed that the soft contact left at the centre of pressure, m/s
-    B_BELT,  # 3, slip that the surfaces have by themselves: u, v, T_m times spin
+    B_BELT,  # 3, slip of the start of the step and that of surfaces by themselves: u, v, T_m times spin
     B_DRIFT,  # 2, how fast that changes: u, v, m/s^2
     B_PULL,  # 3, friction: impulse along u and v, torque impulse about n at the centre of pressure over T_m
     B_STATE, B_OVER,
@@ -95,6 +97,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     B_FRESH,  # NEW or QUIET for a manifold that is new in this step
     B_SCALE,  # the block's mass, kg: impulses are in units of it times m/s, so numbers are of order one at any scale
     B_MISS,  # by how much the manifold misses its laws, m/s (solve.exact)
+    B_START,  # 3, a against b at the anchor at the start of the step: closing speed, spin about u and v
     B_GAP,  # 4, separations at the start of the step
     B_LOAD,  # 4, normal impulses
     B_TOTAL_LOAD,  # 4, sums over the step
@@ -116,7 +119,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     # impulse a substep with which the points hold on
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 1, 1, 1, 1, 1, 3, 2, 3, 1, 1, 3, 3, 1, 1, 1, 1, 4, 4, 4, 4, 4, 10, 10, 6,
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 1, 1, 1, 1, 1, 3, 2, 3, 1, 1, 3, 3, 1, 1, 1, 1, 3, 4, 4, 4, 4, 4, 10, 10, 6,
     6, 9, 6, 4, 4, 2, 1, 8, 2, 1, 2, 1, 4, 1, 4,
 )  # fmt: skip
 
@@ -127,13 +130,15 @@ world, and in the first lane the sort (``colouring``)."""
 # --- rows of bodies ---------------------------------------------------------------------------------------------------
 
 ROW_V, ROW_W, ROW_D, ROW_TURN, ROW_WIDTH = 0, 4, 8, 12, 16
-"""Columns of a body's row: velocity, spin, displacement and rotation vector since the step began."""
+"""Columns of a body's row: by how much velocity and spin differ from those at the start of the step, and displacement
+and rotation vector from what these would have made."""
 
 AUX_OLD_V, AUX_OLD_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WORK = 0, 4, 8, 17, 18, 24
-AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_WIDTH = 25, 28, 29, 30, 32
-"""Columns beside it, two cache lines: velocities at the start of the substep; rotation matrix (9), inverse mass, and
+AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_START_V, AUX_START_W, AUX_WIDTH = 25, 28, 29, 30, 32, 36, 40
+"""Columns beside it: what the row had as velocities at the start of the substep; rotation matrix (9), inverse mass, and
 the upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this
-step, J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``)."""
+step, J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``); velocities at
+the start of the step."""
 
 POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_BELT, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
 """Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far

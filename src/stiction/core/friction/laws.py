@@ -281,10 +281,10 @@ def scaled_force(blocks, o, f, laws):
 
 
 @jit
-def follow_slip(i, blocks, index, count, rows, laws):
+def follow_slip(i, blocks, index, count, rows, aux, laws):
     """Coefficients of block i for the next substep, from the slip that this one has left.
 
-    ``rows`` has the velocities of the bodies in its first columns.
+    ``rows`` has in its first columns how the velocities of the bodies differ from those of the start of the step.
     """
     kinds, table, _ = laws
     o = i * s.FIELDS
@@ -306,28 +306,30 @@ def follow_slip(i, blocks, index, count, rows, laws):
         if law < BRUSH:
             blocks[o + s.B_MU_D, lane] = coefficient(table, ma, mb, speed)
         else:
-            wheel = max(wheel_speed(i, blocks, o, lane, index, count, rows, kinds), SLOW_WHEEL)
+            wheel = max(wheel_speed(i, blocks, o, lane, index, count, rows, aux, kinds), SLOW_WHEEL)
             _, slope = tyre_coefficient(table, ma, mb, speed / wheel)
             blocks[o + s.B_ALPHA, lane] = min(wheel / max(slope, TINY), MOST_ALPHA)
 
 
 @jit
-def wheel_speed(i, blocks, o, lane, index, count, rows, kinds):
-    """How fast the centre of a wheel goes over the road, m/s. The wheel is the body that is free to move; of two such,
-    the one that spins faster."""
+def wheel_speed(i, blocks, o, lane, index, count, rows, aux, kinds):
+    """How fast the centre of a wheel goes over the road, m/s: its slip, less what its spin has in that. The wheel is
+    the body that is free to move; of two such, the one that spins faster."""
     a, b = index[i, lane], index[i + count, lane]
     va, wa, vb, wb = vec3(rows, a, s.ROW_V), vec3(rows, a, s.ROW_W), vec3(rows, b, s.ROW_V), vec3(rows, b, s.ROW_W)
+    wa0, wb0 = vec3(aux, a, s.AUX_START_W), vec3(aux, b, s.AUX_START_W)
     n, u = _vector(blocks, o + s.B_NORMAL, lane), _vector(blocks, o + s.B_TANGENT, lane)
     v = cross(n, u)
     a_is_wheel = kinds[a - 1, MOBILITY] == DYNAMIC
     if a_is_wheel and kinds[b - 1, MOBILITY] == DYNAMIC:
-        a_is_wheel = dot(wa, wa) >= dot(wb, wb)
+        a_is_wheel = dot(wa0 + wa, wa0 + wa) >= dot(wb0 + wb, wb0 + wb)
+    arm_a, arm_b = _vector(blocks, o + s.B_ARM_A, lane), _vector(blocks, o + s.B_ARM_B, lane)
+    arm_a, arm_b = n * arm_a.x + u * arm_a.y + v * arm_a.z, n * arm_b.x + u * arm_b.y + v * arm_b.z
+    # the slip of the start of the step is in B_BELT, with the spin that the wheel had
     if a_is_wheel:
-        arm = _vector(blocks, o + s.B_ARM_B, lane)
-        d = va - vb - cross(wb, n * arm.x + u * arm.y + v * arm.z)
+        d = va - vb - cross(wb, arm_b) - cross(wa0, arm_a)
     else:
-        arm = _vector(blocks, o + s.B_ARM_A, lane)
-        d = va + cross(wa, n * arm.x + u * arm.y + v * arm.z) - vb
+        d = va + cross(wa, arm_a) - vb + cross(wb0, arm_b)
     x, y = dot(d, u) + blocks[o + s.B_BELT, lane], dot(d, v) + blocks[o + s.B_BELT + 1, lane]
     return math.sqrt(x * x + y * y)
 

@@ -150,6 +150,34 @@ def put_bodies(blocks, o, ra, rb, ma, mb, Ia, Ib, Kvv):
 
 
 @jit
+def twist_of(blocks, o, C, va, wa, vb, wb):
+    """Velocity of a against b at the anchor, and their relative spin, in the frame: the lecture's collision
+    velocity."""
+    arm_a, arm_b = get3(blocks, o + s.B_ARM_A), get3(blocks, o + s.B_ARM_B)
+    wa, wb = C @ wa, C @ wb
+    return C @ (va - vb) + cross(wa, arm_a) - cross(wb, arm_b), wa - wb
+
+
+@jit
+def start_twist(blocks, o, index, i, count, aux, C):
+    """That of the start of the step: rows say only how it has changed since."""
+    va, wa = vectors_of(aux, index, i, s.AUX_START_V)
+    vb, wb = vectors_of(aux, index, i + count, s.AUX_START_V)
+    return twist_of(blocks, o, C, va, wa, vb, wb)
+
+
+@jit
+def twist_now(i, blocks, o, index, count, rows, C):
+    """The twist that normals meet, velocity of closing and spins about u and v, is that of now; of the slip there is
+    only what has changed since the start of the step, for the rest is in B_BELT. Also the velocities in the rows."""
+    va, wa = vectors_of(rows, index, i, s.ROW_V)
+    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
+    v, w = twist_of(blocks, o, C, va, wa, vb, wb)
+    start = get3(blocks, o + s.B_START)
+    return Vec3(v.x + start.x, v.y, v.z), Vec3(w.x, w.y + start.y, w.z + start.z), va, wa, vb, wb
+
+
+@jit
 def upper(m):
     """The upper triangle of a symmetric matrix."""
     return Sym3(m.xx, m.xy, m.xz, m.yy, m.yz, m.zz)
@@ -371,7 +399,11 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, sof
     store(blocks, o + s.B_OVER, gb[7])
     store(blocks, o + s.B_LEFT, gy[7])
     belt = Vec3(gy[3], gy[4], gy[5])
-    put3(blocks, o + s.B_BELT, Vec3(dot(belt, u), dot(belt, v), zero))
+    v0, w0 = start_twist(blocks, o, index, i, count, aux, C)
+    put3(blocks, o + s.B_START, Vec3(v0.x, w0.y, w0.z))
+    put3(
+        blocks, o + s.B_BELT, Vec3(dot(belt, u) + v0.y - w0.x * py, dot(belt, v) + v0.z + w0.x * px, w0.x * Tm)
+    )  # fmt: skip
     store(blocks, o + s.B_DRIFT, c * gf[6] + sn * gy[6])
     store(blocks, o + s.B_DRIFT + 1, c * gy[6] - sn * gf[6])
     put4(blocks, o + s.B_TOTAL_LOAD, Four(zero, zero, zero, zero))

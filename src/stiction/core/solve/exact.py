@@ -27,11 +27,11 @@ from stiction.core.friction.laws import scaled_slip
 from stiction.core.friction.patch import choose3, level, slide, times
 from stiction.core.jit import entry, jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, select, size_of, sqrt, store
-from stiction.core.solve.blocks import get3, get4, get6, prepare_block, put3, surface_at, vectors_of
+from stiction.core.solve.blocks import get3, get4, get6, prepare_block, put3, surface_at, twist_now
 from stiction.core.solve.idle import belt_now
 from stiction.core.solve.normals import Four
 from stiction.core.solve.points import miss_of_points, prepare_points
-from stiction.core.solve.soft import allowed, frame_of, gaps_now, softness, solve_block, twist_of, unit_of
+from stiction.core.solve.soft import allowed, frame_of, gaps_now, softness, solve_block, unit_of
 from stiction.core.vec import Vec3, dot, transpose
 
 COMPLIANCE = 0.05
@@ -67,7 +67,7 @@ def rigidity(h):
 
 
 @jit
-def iterate(blocks, index, count, rows, h, rolls, laws, exact):
+def iterate(blocks, index, count, rows, aux, h, t, rolls, laws, exact):
     """Passes until the miss of all blocks is below the tolerance. ``exact``: tolerance (m/s), passes, and the tally."""
     tolerance, most, tally = exact
     tally[SOLVES] += 1.0
@@ -76,10 +76,10 @@ def iterate(blocks, index, count, rows, h, rolls, laws, exact):
     for turn in range(ROUNDS):
         while passes < most:
             for i in range(count):
-                solve_block(i, blocks, index, count, rows, h, False, False, rolls, laws, exact)
+                solve_block(i, blocks, index, count, rows, aux, h, t, False, False, rolls, laws, exact)
             passes += 1
             if passes % CHECK == 1 or passes == most:
-                miss = miss_of_all(blocks, index, count, rows, h, laws, False)
+                miss = miss_of_all(blocks, index, count, rows, h, t, laws, False)
                 entry = int(tally[LOGGED])
                 if LOG + entry < TALLY:
                     tally[LOG + entry] = miss
@@ -113,14 +113,14 @@ def settle_states(blocks, count, first):
 
 
 @jit
-def miss_of_all(blocks, index, count, rows, h, laws, moved):
-    """The largest miss of all blocks, m/s."""
+def miss_of_all(blocks, index, count, rows, h, t, laws, moved):
+    """The largest miss of all blocks at the time t of the step, m/s."""
     worst = 0.0
     for i in range(count):
         if laws is None and moved and is_point_block(index, i, count):
-            miss = miss_of_points(i, blocks, index, count, rows, h)
+            miss = miss_of_points(i, blocks, index, count, rows, h, t)
         else:
-            miss = miss_of_block(i, blocks, index, count, rows, h, laws, moved)
+            miss = miss_of_block(i, blocks, index, count, rows, h, t, laws, moved)
         store(blocks, i * s.FIELDS + s.B_MISS, miss)
         for lane in range(LANES):
             if index[i + 2 * count, lane] > 0:
@@ -129,9 +129,9 @@ def miss_of_all(blocks, index, count, rows, h, laws, moved):
 
 
 @entry
-def measure_miss(blocks, index, count, rows, h, laws):
-    """The largest miss of the blocks as the last step has left them, m/s."""
-    return miss_of_all(blocks, index, count, rows, h, laws, True)
+def measure_miss(blocks, index, count, rows, h, substeps, laws):
+    """The largest miss of the blocks as the last step, of so many substeps, has left them, m/s."""
+    return miss_of_all(blocks, index, count, rows, h, h * substeps, laws, True)
 
 
 @entry
@@ -152,11 +152,11 @@ def measure_miss_again(blocks, index, count, manifolds, corners, rows, aux, h, s
                 None,
             )  # fmt: skip
         put3(blocks, i * s.FIELDS + s.B_BELT, belt_now(blocks, i * s.FIELDS, h * substeps))
-    return miss_of_all(blocks, index, count, rows, h, None, True)
+    return miss_of_all(blocks, index, count, rows, h, h * substeps, None, True)
 
 
 @jit
-def miss_of_block(i, blocks, index, count, rows, h, laws, moved):
+def miss_of_block(i, blocks, index, count, rows, h, t, laws, moved):
     """By how many m/s the manifolds of block i miss their laws.
 
     At a point with load it is the size of the closing speed over the wanted one, without it what closes too fast, and
@@ -165,11 +165,9 @@ def miss_of_block(i, blocks, index, count, rows, h, laws, moved):
     """
     o = i * s.FIELDS
     C = transpose(frame_of(blocks, o))
-    va, wa = vectors_of(rows, index, i, s.ROW_V)
-    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
-    v, w = twist_of(blocks, o, C, va, wa, vb, wb)
+    v, w, _, _, _, _ = twist_now(i, blocks, o, index, count, rows, C)
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
-    gap = gaps_now(i, blocks, o, index, count, rows, C, x, y)
+    gap = gaps_now(i, blocks, o, index, count, rows, C, x, y, t)
     closing = Four(
         v.x + y.a * w.y - x.a * w.z, v.x + y.b * w.y - x.b * w.z,
         v.x + y.c * w.y - x.c * w.z, v.x + y.d * w.y - x.d * w.z,
@@ -194,9 +192,7 @@ def miss_of_block(i, blocks, index, count, rows, h, laws, moved):
     px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
     F, Fi = get6(blocks, o + s.B_FRICTION), get6(blocks, o + s.B_FRICTION_INVERSE)
     surface = surface_at(blocks, o)
-    belt = get3(blocks, o + s.B_BELT)
-    if not moved:
-        belt = belt + Vec3(load(blocks, o + s.B_DRIFT) * h, load(blocks, o + s.B_DRIFT + 1) * h, belt.z - belt.z)
+    belt = get3(blocks, o + s.B_BELT) if moved else belt_now(blocks, o, h)
     pull = get3(blocks, o + s.B_PULL)
     slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
     stick = pull + times(Fi, slip)

@@ -15,9 +15,9 @@ from stiction.core.vec import Vec3
 
 @jit
 def belt_now(blocks, o, h):
-    """The slip that the surfaces have by themselves at the end of a substep."""
+    """B_BELT at the end of a substep."""
     belt = get3(blocks, o + s.B_BELT)
-    return belt + Vec3(load(blocks, o + s.B_DRIFT) * h, load(blocks, o + s.B_DRIFT + 1) * h, belt.z)
+    return Vec3(belt.x + load(blocks, o + s.B_DRIFT) * h, belt.y + load(blocks, o + s.B_DRIFT + 1) * h, belt.z)
 
 
 @jit
@@ -26,7 +26,7 @@ def stays_open(blocks, o, v, w, x, y, aim, near, h, cold, counts, rolls):
     a pass would write is written, and bodies stay as they are.
 
     Points that are not near and close more slowly than ``aim`` carry nothing; without a load nothing can stick, and
-    what slides and owes nothing goes on so. ``v`` and ``w`` as from :func:`twist_of`.
+    what slides and owes nothing goes on so. ``v`` and ``w`` as from :func:`twist_now`.
     """
     if any_of(near):
         return False
@@ -57,7 +57,7 @@ def keeps_state(blocks, o):
 
 @jit
 def leave_open(blocks, o, slip, h, cold, counts):
-    """Write what a pass over open manifolds would; ``slip``: without that of belts."""
+    """Write what a pass over open manifolds would; ``slip``: without B_BELT."""
     zero = slip.x - slip.x
     if cold:
         store(blocks, o + s.B_MISS, zero)

@@ -48,6 +48,7 @@ def run_passes(
     for i in range(first, last):
         ask_for_bodies(index, i + 1, count, aux, s.AUX_ROTATION, many)
         ask_for_bodies(index, i + 1, count, aux, s.AUX_INERTIA, many)
+        ask_for_bodies(index, i + 1, count, aux, s.AUX_START_V, many)
         ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH, many)
         if laws is None and exact is None and is_point_block(index, i, count):
             prepare_points(
@@ -74,7 +75,7 @@ def run_passes(
                 first, last = blocks_of(sizes, r, count, team, worker)
                 for i in range(first, last):
                     if has_fresh(blocks, i):
-                        solve_any(i, blocks, index, count, rows, h, True, False, rolls, laws, exact)
+                        solve_any(i, blocks, index, count, rows, aux, h, 0.0, True, False, rolls, laws, exact)
                 meet(team)
             if turn % COLD_PASSES == COLD_PASSES - 1 and last_change(blocks, count) < COLD_ENOUGH:
                 break
@@ -92,13 +93,13 @@ def run_passes(
     first_body, last_body = share(team, worker, 0, moving)
     for substep in range(substeps):
         if exact is not None:
-            iterate(blocks, index, count, rows, h, rolls, laws, exact)
+            iterate(blocks, index, count, rows, aux, h, substep * h, rolls, laws, exact)
         for r in range(rounds):
             first, last = blocks_of(sizes, r, count, team, worker)
             for i in range(first, last):
                 ask_for_bodies(index, i + 1, count, rows, s.ROW_V, count * LANES)
                 ask_for_bodies(index, i + 1, count, rows, s.ROW_TURN, count * LANES)
-                solve_any(i, blocks, index, count, rows, h, False, True, rolls, laws, exact)
+                solve_any(i, blocks, index, count, rows, aux, h, substep * h, False, True, rolls, laws, exact)
             meet(team)
         if worker == 0:
             lap(profile, 5)
@@ -109,12 +110,12 @@ def run_passes(
 
 
 @jit
-def solve_any(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exact):
+def solve_any(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, laws, exact):
     """One pass over block i: of points, or as :func:`solve_block`."""
     if laws is None and exact is None and is_point_block(index, i, count):
-        solve_points(i, blocks, index, count, rows, h, cold, counts)
+        solve_points(i, blocks, index, count, rows, h, t, cold, counts)
     else:
-        solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exact)
+        solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, laws, exact)
 
 
 @jit

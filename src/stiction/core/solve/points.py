@@ -14,7 +14,19 @@ from stiction.core import soft_rows as s
 from stiction.core.friction.coulomb import limited_impulse
 from stiction.core.jit import jit
 from stiction.core.lanes import all_of, any_of, gather, greatest, least, load, select, size_of, splat, sqrt, store
-from stiction.core.solve.blocks import TINY, bodies_of, get3, get6, patch_matrix, put3, put_bodies, vectors_of
+from stiction.core.solve.blocks import (
+    TINY,
+    bodies_of,
+    get3,
+    get6,
+    patch_matrix,
+    put3,
+    put_bodies,
+    start_twist,
+    twist_now,
+    twist_of,
+    vectors_of,
+)
 from stiction.core.solve.idle import belt_now, keeps_state, leave_open
 from stiction.core.solve.soft import (
     BEYOND_DOUBT,
@@ -31,7 +43,6 @@ from stiction.core.solve.soft import (
     keep_friction,
     lent,
     push_bodies,
-    twist_of,
     unit_of,
 )
 from stiction.core.vec import Vec3, columns, cross, dot, transpose
@@ -94,7 +105,9 @@ def prepare_points(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_
     pull = Vec3(gf[0], gf[1], gf[2]) * h_scale
     put3(blocks, o + s.B_PULL, Vec3(dot(pull, u), dot(pull, v), zero))
     belt = Vec3(gy[3], gy[4], gy[5])
-    put3(blocks, o + s.B_BELT, Vec3(dot(belt, u), dot(belt, v), zero))
+    v0, _ = start_twist(blocks, o, index, i, count, aux, C)
+    put3(blocks, o + s.B_START, Vec3(v0.x, zero, zero))
+    put3(blocks, o + s.B_BELT, Vec3(dot(belt, u) + v0.y, dot(belt, v) + v0.z, zero))
     store(blocks, o + s.B_DRIFT, gf[6])
     store(blocks, o + s.B_DRIFT + 1, gy[6])
     store(blocks, o + s.B_TOTAL_LOAD, zero)
@@ -104,12 +117,12 @@ def prepare_points(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_
 
 
 @jit
-def gap_now(i, blocks, o, index, count, rows, C):
-    """Separation of the points: that of the start of the step, less what a has come closer since."""
+def gap_now(i, blocks, o, index, count, rows, C, t):
+    """Separation of the points: that of the start of the step, less what a has come closer in the time t since."""
     da, ta = vectors_of(rows, index, i, s.ROW_D)
     db, tb = vectors_of(rows, index, i + count, s.ROW_D)
     d, _ = twist_of(blocks, o, C, da, ta, db, tb)
-    return load(blocks, o + s.B_GAP) - d.x
+    return load(blocks, o + s.B_GAP) - (d.x + load(blocks, o + s.B_START) * t)
 
 
 @jit
@@ -117,9 +130,7 @@ def warm_points(i, blocks, index, count, rows):
     """Apply the impulses that the points of block i bring along from the step before."""
     o = i * s.FIELDS
     B = frame_of(blocks, o)
-    va, wa = vectors_of(rows, index, i, s.ROW_V)
-    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
-    v, _ = twist_of(blocks, o, transpose(B), va, wa, vb, wb)
+    v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, transpose(B))
     pull, belt = get3(blocks, o + s.B_PULL), get3(blocks, o + s.B_BELT)
     zero = v.x - v.x
     put3(blocks, o + s.B_SLIP, Vec3(v.y + belt.x, v.z + belt.y, zero))
@@ -128,15 +139,13 @@ def warm_points(i, blocks, index, count, rows):
 
 
 @jit
-def solve_points(i, blocks, index, count, rows, h, cold, counts):
+def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
     """One pass over block i, as :func:`stiction.core.solve.soft.solve_block` does it for faces."""
     o = i * s.FIELDS
     B = frame_of(blocks, o)
     C = transpose(B)
-    va, wa = vectors_of(rows, index, i, s.ROW_V)
-    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
-    v, _ = twist_of(blocks, o, C, va, wa, vb, wb)
-    gap = gap_now(i, blocks, o, index, count, rows, C)
+    v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C)
+    gap = gap_now(i, blocks, o, index, count, rows, C, t)
     aim = allowed(gap, load(blocks, o + s.B_BETA), h)
     near = gap < NEAR
     if points_stay_open(blocks, o, v, aim, near, h, cold, counts):
@@ -268,15 +277,13 @@ def lift_points(i, blocks):
 
 
 @jit
-def miss_of_points(i, blocks, index, count, rows, h):
+def miss_of_points(i, blocks, index, count, rows, h, t):
     """By how many m/s the points of block i miss their laws after a step: as
     :func:`stiction.core.solve.exact.miss_of_block`."""
     o = i * s.FIELDS
     C = transpose(frame_of(blocks, o))
-    va, wa = vectors_of(rows, index, i, s.ROW_V)
-    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
-    v, _ = twist_of(blocks, o, C, va, wa, vb, wb)
-    gap = gap_now(i, blocks, o, index, count, rows, C) + v.x * h
+    v, _, _, _, _, _ = twist_now(i, blocks, o, index, count, rows, C)
+    gap = gap_now(i, blocks, o, index, count, rows, C, t) + v.x * h
     lam, pull, belt = load(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL), get3(blocks, o + s.B_BELT)
     zero = lam - lam
     error = v.x - allowed(gap, zero, h)

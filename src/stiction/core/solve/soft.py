@@ -10,6 +10,9 @@ Costs: bodies 1 a substep, manifolds 1 + 1 a substep and two inner sweeps (no co
 Warm starting needs no pass of its own. Arms and inertia are those of the start of the step, so the impulses of the last
 substep, applied again, change velocities by as much as they did then: with v the velocity before it and v' after it
 (gravity included), the next substep starts from v' + (v' - v).
+
+Rows of bodies say by how much velocities and places differ from those of the start of the step and of going on with
+them. What rounding does to them is a part of what changes in a step, and not of how fast the bodies are.
 """
 
 from __future__ import annotations
@@ -20,7 +23,7 @@ from stiction.core.friction.laws import follow_slip, real_force, scaled_slip
 from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slide, times
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, scatter, select, size_of, sqrt, store
-from stiction.core.solve.blocks import get3, get4, get6, put3, put4, surface_at, vectors_of
+from stiction.core.solve.blocks import get3, get4, get6, put3, put4, surface_at, twist_now, twist_of, vectors_of
 from stiction.core.solve.idle import belt_now, stays_open
 from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
 from stiction.core.vec import Vec3, columns, cross, dot, transpose
@@ -129,21 +132,10 @@ def push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torq
 
 
 @jit
-def twist_of(blocks, o, C, va, wa, vb, wb):
-    """Velocity of a against b at the anchor, and their relative spin, in the frame: the lecture's collision
-    velocity."""
-    arm_a, arm_b = get3(blocks, o + s.B_ARM_A), get3(blocks, o + s.B_ARM_B)
-    wa, wb = C @ wa, C @ wb
-    return C @ (va - vb) + cross(wa, arm_a) - cross(wb, arm_b), wa - wb
-
-
-@jit
 def warm_block(i, blocks, index, count, rows, aux, laws):
     """Apply the impulses that the manifolds of block i bring along from the step before."""
     o = i * s.FIELDS
     B = frame_of(blocks, o)
-    va, wa = vectors_of(rows, index, i, s.ROW_V)
-    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
     lam = get4(blocks, o + s.B_LOAD)
     pull = get3(blocks, o + s.B_PULL)
@@ -151,12 +143,10 @@ def warm_block(i, blocks, index, count, rows, aux, laws):
     C = transpose(B)
     if laws is not None:
         # the slip that the step before has left: that of now has what forces give in a substep, and no friction yet
-        old_va, old_wa = vectors_of(aux, index, i, s.AUX_OLD_V)
-        old_vb, old_wb = vectors_of(aux, index, i + count, s.AUX_OLD_V)
-        v, w = twist_of(blocks, o, C, old_va, old_wa, old_vb, old_wb)
+        v, w, _, _, _, _ = twist_now(i, blocks, o, index, count, aux, C)
         keep_slip(blocks, o, v, w, px, py, laws)
-        follow_slip(i, blocks, index, count, aux, laws)
-    v, w = twist_of(blocks, o, C, va, wa, vb, wb)
+        follow_slip(i, blocks, index, count, aux, aux, laws)
+    v, w, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C)
     keep_slip(blocks, o, v, w, px, py, laws)
     if laws is not None:
         pull = real_force(blocks, o, pull, laws)
@@ -178,11 +168,13 @@ def keep_slip(blocks, o, v, w, px, py, laws):
 
 
 @jit
-def gaps_now(i, blocks, o, index, count, rows, C, x, y):
-    """Separations of the points: those of the start of the step, less what a has come closer since."""
+def gaps_now(i, blocks, o, index, count, rows, C, x, y, t):
+    """Separations of the points: those of the start of the step, less what a has come closer in the time t since."""
     da, ta = vectors_of(rows, index, i, s.ROW_D)
     db, tb = vectors_of(rows, index, i + count, s.ROW_D)
     d, turned = twist_of(blocks, o, C, da, ta, db, tb)
+    start = get3(blocks, o + s.B_START) * t
+    d, turned = Vec3(d.x + start.x, d.y, d.z), Vec3(turned.x, turned.y + start.y, turned.z + start.z)
     gap = get4(blocks, o + s.B_GAP)
     return Four(
         gap.a - (d.x + y.a * turned.y - x.a * turned.z), gap.b - (d.x + y.b * turned.y - x.b * turned.z),
@@ -197,8 +189,9 @@ def less4(a, b):
 
 
 @jit
-def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exact):
-    """One pass over block i: normals, then friction, twice over.
+def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, laws, exact):
+    """One pass over block i in the substep of length h that begins at the time t of the step: normals, then friction,
+    twice over.
 
     In a ``cold`` pass only manifolds that are new take part. One that does not count, as a cold one, changes nothing
     but the impulses; one that ``counts`` ends a substep. ``rolls`` is None in worlds without rolling resistance;
@@ -208,12 +201,10 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
     o = i * s.FIELDS
     B = frame_of(blocks, o)
     C = transpose(B)
-    va, wa = vectors_of(rows, index, i, s.ROW_V)
-    vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
-    v, w = twist_of(blocks, o, C, va, wa, vb, wb)
+    v, w, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C)
 
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
-    gap = gaps_now(i, blocks, o, index, count, rows, C, x, y)
+    gap = gaps_now(i, blocks, o, index, count, rows, C, x, y, t)
     beta = load(blocks, o + s.B_BETA)
     aim = Four(
         allowed(gap.a, beta, h), allowed(gap.b, beta, h), allowed(gap.c, beta, h), allowed(gap.d, beta, h)
@@ -400,7 +391,7 @@ def solve_block(i, blocks, index, count, rows, h, cold, counts, rolls, laws, exa
             keep_sums(blocks, o, lam, pull, slip, slides)
         else:
             keep_sums(blocks, o, less4(lam, get4(blocks, o + s.B_ATTRACT)), pull, slip, slides | yields)
-            follow_slip(i, blocks, index, count, rows, laws)
+            follow_slip(i, blocks, index, count, rows, aux, laws)
 
     da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
     df = real_force(blocks, o, pull - pull0, laws)
