@@ -21,6 +21,7 @@ TABLES = {
     "PlaneTable": 'shape = { type = "plane", ... }',
     "CapsuleTable": 'shape = { type = "capsule", ... }',
     "CylinderTable": 'shape = { type = "cylinder", ... }',
+    "EllipsoidTable": 'shape = { type = "ellipsoid", ... }',
     "HullTable": 'shape = { type = "hull", ... }',
     "GridTable": "grid = { ... }",
     "PushTable": "[[pushes]]",

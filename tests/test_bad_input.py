@@ -52,6 +52,9 @@ TABLE: dict[str, list[Row]] = {
         Row("st.Capsule(0.5, 0)", "Capsule length must be above 0 m, got 0."),
         Row("st.Capsule(None, 1)", "Capsule radius must be a finite number, got None."),
         Row("st.Cylinder(-1, 1)", "Cylinder radius must be above 0 m, got -1."),
+        Row("st.Ellipsoid(1)", "Ellipsoid half_extents must have shape (3,), got shape () from 1."),
+        Row("st.Ellipsoid((1, 0, 1))", "Ellipsoid half_extents must be three lengths above 0 m, got (1, 0, 1)."),
+        Row("st.Ellipsoid((1, 1, nan))", "Ellipsoid half_extents must be 3 finite numbers, got (1, 1, nan)."),
         Row("st.Plane((0, 0, 0))", "Plane normal must not be the zero vector, got (0, 0, 0)."),
         Row("st.Plane(offset=inf)", "Plane offset must be a finite number, got inf."),
         Row(

@@ -22,7 +22,7 @@ def shape(rng: np.random.Generator, size: float) -> st.Shape:
     """Any shape of about that size: ordinary, flat as a sheet or thin as a needle."""
     a, b, c = size * np.exp(rng.uniform(-0.7, 0.0, size=3))
     thin = rng.choice([1.0, 1.0, 0.1, 0.01])
-    kind = rng.integers(6)
+    kind = rng.integers(7)
     if kind == 0:
         return st.Sphere(a / 2)
     if kind == 1:
@@ -33,6 +33,8 @@ def shape(rng: np.random.Generator, size: float) -> st.Shape:
         return st.Cylinder(a / 2, thin * b)
     if kind == 4:
         return st.Cylinder(thin * a / 2, b)
+    if kind == 5:
+        return st.Ellipsoid((a / 2, b / 2, thin * c / 2))
     points = rng.normal(size=(int(rng.integers(5, 20)), 3)) * np.array([a, b, thin * c]) / 3
     return st.ConvexHull(points)
 

@@ -17,6 +17,7 @@ SHAPES: list[tuple[str, st.Shape]] = [
     ("box", st.Box((1, 1, 1))),
     ("capsule", st.Capsule(0.5, 1.0)),
     ("cylinder", st.Cylinder(0.5, 1.0)),
+    ("ellipsoid", st.Ellipsoid((0.5, 0.7, 4.0))),
     ("hull", st.ConvexHull(CUBE)),
     ("plane", st.Plane((-1, 0, 0), 0.5)),
 ]
@@ -31,7 +32,8 @@ def test_a_ray_hits_every_shape_where_it_begins(solver: str, name: str, shape: s
     hit = world.ray_cast((2, 0, 0.1), (3, 0, 0))
     assert hit is not None
     assert hit.body is body
-    rim = 0.5 - math.sqrt(0.25 - 0.01) if name == "sphere" else 0.0
+    up = {"sphere": 0.5, "ellipsoid": 4.0}.get(name, math.inf)
+    rim = 0.5 - 0.5 * math.sqrt(1.0 - (0.1 / up) ** 2)
     assert hit.distance == pytest.approx(7.5 + rim)
     np.testing.assert_allclose(hit.point, (9.5 + rim, 0, 0.1), atol=1e-12)
     assert hit.normal[0] < -0.97

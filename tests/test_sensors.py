@@ -22,9 +22,10 @@ SHAPES: list[st.Shape] = [
     st.Box((1, 1, 1)),
     st.Capsule(0.5, 1.0),
     st.Cylinder(0.5, 1.0),
+    st.Ellipsoid((0.5, 0.3, 0.8)),
     st.ConvexHull([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]),
 ]
-NAMES = ["sphere", "box", "capsule", "cylinder", "hull"]
+NAMES = ["sphere", "box", "capsule", "cylinder", "ellipsoid", "hull"]
 
 
 @pytest.mark.parametrize("eye", [*SHAPES, st.Plane((1, 0, 0), -0.5)], ids=[*NAMES, "plane"])

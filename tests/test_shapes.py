@@ -11,7 +11,18 @@ from hypothesis import given
 from hypothesis import strategies as some
 from numpy.typing import NDArray
 
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, MassProperties, Plane, Shape, Sphere, describe
+from stiction.shapes import (
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Ellipsoid,
+    MassProperties,
+    Plane,
+    Shape,
+    Sphere,
+    describe,
+)
 
 Array = NDArray[np.float64]
 lengths = some.floats(0.01, 100.0)
@@ -49,6 +60,7 @@ def compare(found: MassProperties, wanted: MassProperties, tolerance: float) -> 
             lambda x: (x[:, :2] ** 2).sum(axis=1) + np.maximum(np.abs(x[:, 2]) - 1.0, 0.0) ** 2 < 0.25,
             (0.5, 0.5, 1.5),
         ),
+        (Ellipsoid((0.5, 1, 2)), lambda x: ((x / (0.5, 1, 2)) ** 2).sum(axis=1) < 1.0, (0.5, 1.0, 2.0)),
     ],
     ids=describe,
 )
@@ -64,6 +76,11 @@ def test_a_sphere(r: float) -> None:
     p = Sphere(r).mass_properties
     assert p.volume == pytest.approx(4 / 3 * math.pi * r**3)
     np.testing.assert_allclose(p.inertia, 0.4 * p.volume * r**2 * np.eye(3))
+
+
+@given(lengths)
+def test_an_ellipsoid_with_three_equal_semi_axes_is_a_sphere(r: float) -> None:
+    compare(Ellipsoid((r, r, r)).mass_properties, Sphere(r).mass_properties, 1e-12)
 
 
 @given(lengths, lengths)
@@ -130,7 +147,14 @@ def test_points_inside_a_hull_are_dropped_and_its_faces_look_outwards(rng: np.ra
 
 @pytest.mark.parametrize(
     "shape",
-    [Sphere(1), Box((1, 2, 3)), Capsule(0.5, 1), Cylinder(0.5, 1), ConvexHull(corners((1, 2, 3)))],
+    [
+        Sphere(1),
+        Box((1, 2, 3)),
+        Capsule(0.5, 1),
+        Cylinder(0.5, 1),
+        Ellipsoid((1, 2, 3)),
+        ConvexHull(corners((1, 2, 3))),
+    ],
     ids=describe,
 )
 def test_every_solid_has_a_tensor_that_a_body_can_have(shape: Shape) -> None:
@@ -152,7 +176,12 @@ def test_shapes_are_values() -> None:
     assert Plane() == Plane((0, 0, 2))
     hull = ConvexHull(corners((1, 1, 1)))
     assert hull != ConvexHull(corners((1, 1, 1)))  # arrays: the same object or another one
-    for shape, name in ((Sphere(1), "radius"), (Box((1, 1, 1)), "size"), (Plane(), "offset")):
+    for shape, name in (
+        (Sphere(1), "radius"),
+        (Box((1, 1, 1)), "size"),
+        (Ellipsoid((1, 1, 1)), "half_extents"),
+        (Plane(), "offset"),
+    ):
         with pytest.raises(AttributeError):
             setattr(shape, name, 2.0)
 
@@ -174,6 +203,7 @@ def test_a_planes_normal_is_normalised_and_its_offset_is_not_scaled(n: tuple[flo
         (Box((1, 1, 2)), "Box 1 x 1 x 2 m"),
         (Capsule(0.5, 1), "Capsule r 0.5 m, 1 m"),
         (Cylinder(0.5, 1), "Cylinder r 0.5 m, 1 m"),
+        (Ellipsoid((0.2, 0.03, 0.02)), "Ellipsoid semi-axes 0.2 x 0.03 x 0.02 m"),
         (ConvexHull(corners((1, 1, 1))), "ConvexHull of 8 points"),
         (Plane(), "Plane"),
     ],

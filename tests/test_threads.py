@@ -19,6 +19,7 @@ def heap(threads: int, count: int) -> st.World:
     corners = rng.normal(size=(10, 3))
     shapes = [
         st.Box((0.5, 0.4, 0.3)), st.Sphere(0.25), st.Capsule(0.15, 0.4), st.Cylinder(0.2, 0.4),
+        st.Ellipsoid((0.3, 0.2, 0.15)),
         st.ConvexHull(0.3 * corners / np.linalg.norm(corners, axis=1)[:, None]),
     ]  # fmt: skip
     for i in range(count):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from stiction.queries import RayHit, RayHits
     from stiction.record.recording import Recording
     from stiction.reports import Energy, SolverReport
-    from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+    from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere
     from stiction.vehicle import Vehicle
     from stiction.wheels import VehicleWork, Wheel, WheelState, four_wheels
     from stiction.world import World
@@ -44,6 +44,7 @@ __all__ = [
     "ConvexHull",
     "Coulomb",
     "Cylinder",
+    "Ellipsoid",
     "Energy",
     "EventKind",
     "FrictionCurve",
@@ -99,7 +100,7 @@ _NAMES = {
     "queries": ("RayHit", "RayHits"),
     "record.recording": ("Recording",),
     "reports": ("Energy", "SolverReport"),
-    "shapes": ("Box", "Capsule", "ConvexHull", "Cylinder", "Plane", "Shape", "Sphere"),
+    "shapes": ("Box", "Capsule", "ConvexHull", "Cylinder", "Ellipsoid", "Plane", "Shape", "Sphere"),
     "vehicle": ("Vehicle",),
     "wheels": ("VehicleWork", "Wheel", "WheelState", "four_wheels"),
     "world": ("World",),

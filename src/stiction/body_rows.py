@@ -11,7 +11,7 @@ from stiction import checks
 from stiction.body import checked_inertia
 from stiction.core import state
 from stiction.errors import InvalidInputError
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere
 
 if TYPE_CHECKING:
     from stiction.hulls import HullTable
@@ -33,6 +33,8 @@ def code_and_size(shape: Shape, hulls: HullTable) -> tuple[int, Array]:
             return state.CAPSULE, np.array((shape.radius, shape.radius, 0.5 * shape.length + shape.radius, 0.0))
         case Cylinder():
             return state.CYLINDER, np.array((shape.radius, shape.radius, 0.5 * shape.length, 0.0))
+        case Ellipsoid():
+            return state.ELLIPSOID, np.array((*shape.half_extents, 0.0))
         case ConvexHull():
             return state.HULL, np.array((*np.abs(shape.points).max(axis=0), hulls.add(shape)))
     assert isinstance(shape, Box)
@@ -51,7 +53,7 @@ def check_mobility(shape: Any, static: Any, kinematic: Any) -> bool:
         raise InvalidInputError("static and kinematic must not both be True.")
     if isinstance(shape, Plane) and not (static or kinematic):
         raise InvalidInputError("a Plane must be static=True or kinematic=True, for it has no finite mass.")
-    if not isinstance(shape, (Sphere, Box, Plane, Capsule, Cylinder, ConvexHull)):
+    if not isinstance(shape, (Sphere, Box, Plane, Capsule, Cylinder, ConvexHull, Ellipsoid)):
         raise InvalidInputError(f"shape must be one of stiction's shapes, got a {type(shape).__name__}.")
     return bool(static or kinematic)
 

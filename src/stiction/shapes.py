@@ -1,4 +1,5 @@
-"""Shapes and their mass properties. Sizes are full lengths in m; the inertia tensor is about the centre of mass.
+"""Shapes and their mass properties. Sizes are full lengths in m, but for radii and semi-axes; the inertia tensor is
+about the centre of mass.
 
 Sources of the tensors: any mechanics text (solid bodies of uniform density); the hull is the sum of the
 signed tetrahedra from the origin to each face (Tonon, "Explicit exact formulas for the 3-D tetrahedron inertia
@@ -149,6 +150,32 @@ class Cylinder(Shape):
         return _centered(math.pi * r * r * length, (across, across, 0.5 * r * r))
 
 
+@dataclass(frozen=True, init=False)
+class Ellipsoid(Shape):
+    """A solid ellipsoid, centred on its frame.
+
+    Args:
+        half_extents: semi-axes along x, y, z in m, each above 0.
+    """
+
+    half_extents: tuple[float, float, float]
+    kind: ClassVar[str] = "ellipsoid"
+
+    def __init__(self, half_extents: ArrayLike) -> None:
+        name = "Ellipsoid half_extents"
+        lengths = checks.vector(name, half_extents)
+        if (lengths <= 0.0).any():
+            raise InvalidInputError(f"{name} must be three lengths above 0 m, got {half_extents!r}.")
+        object.__setattr__(self, "half_extents", tuple(checks.length(name, float(s)) for s in lengths))
+
+    @cached_property
+    def mass_properties(self) -> MassProperties:
+        """I_x = m (b^2 + c^2) / 5 and so on."""
+        a, b, c = self.half_extents
+        moments = ((b * b + c * c) / 5, (c * c + a * a) / 5, (a * a + b * b) / 5)
+        return _centered(4.0 / 3.0 * math.pi * a * b * c, moments)
+
+
 @dataclass(frozen=True, init=False, eq=False)
 class ConvexHull(Shape):
     """The convex hull of a set of points. Its frame is the one the points are given in.
@@ -238,6 +265,8 @@ def describe(shape: Any) -> str:
             return "Box " + " x ".join(f"{s:g}" for s in shape.size) + " m"
         case Capsule() | Cylinder():
             return f"{type(shape).__name__} r {shape.radius:g} m, {shape.length:g} m"
+        case Ellipsoid():
+            return "Ellipsoid semi-axes " + " x ".join(f"{s:g}" for s in shape.half_extents) + " m"
         case ConvexHull():
             return f"ConvexHull of {len(shape.points)} points"
         case Plane():

@@ -64,11 +64,12 @@ class Store:
         self.kinds[i, :3] = shape, mobility, material
         self.kinds[i, state.LAYER], self.kinds[i, state.MASK] = 1, -1
         size = self.bodies[i, state.SIZE : state.SIZE + 3]
-        reach = {state.SPHERE: size[0], state.PLANE: 0.0}.get(shape, math.sqrt(float(size @ size)))
+        reach = {state.SPHERE: size[0], state.ELLIPSOID: size.max(), state.PLANE: 0.0}.get(shape)
+        reach = math.sqrt(float(size @ size)) if reach is None else reach
         self.bodies[i, state.REACH] = reach
         self.boxes += shape == state.BOX
         self.dynamic_boxes += shape == state.BOX and mobility == state.DYNAMIC
-        self.polytopes += shape in {state.CAPSULE, state.CYLINDER, state.HULL}
+        self.polytopes += shape in {state.CAPSULE, state.CYLINDER, state.HULL, state.ELLIPSOID}
         self.n += 1
         return i
 

@@ -12,7 +12,7 @@ from stiction.bench.engines import ENGINES, PEERS, Engine, engine_class
 from stiction.bench.scene import BenchBody, BenchScene, ground
 from stiction.bench.stability import judge
 from stiction.errors import InvalidInputError
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere
 
 DT = 1.0 / 60.0
 
@@ -21,6 +21,7 @@ SHAPES: dict[str, Shape] = {
     "sphere": Sphere(0.3),
     "capsule": Capsule(0.2, 0.6),
     "cylinder": Cylinder(0.3, 0.8),
+    "ellipsoid": Ellipsoid((0.6, 0.5, 0.4)),
     "hull": ConvexHull([(x, y, z) for x in (-0.2, 0.2) for y in (-0.3, 0.3) for z in (-0.4, 0.4)]),
 }
 

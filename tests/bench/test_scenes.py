@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from stiction.bench import SCENES, geometry, granular, make, masonry, rotations, stacks
 from stiction.bench.scene import BenchBody, BenchScene, ground
 from stiction.errors import InvalidInputError
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Sphere
 
 SMALL = {"pile": 40, "heap": 60, "heap-simple": 60, "spheres": 60, "hopper": 200, "drum": 60}
 
@@ -228,6 +228,8 @@ def test_lowest_points_of_all_shapes() -> None:
         (Capsule(0.2, 1.0), lying, 0.2),
         (Cylinder(0.3, 1.0), (1.0, 0.0, 0.0, 0.0), 0.5),
         (Cylinder(0.3, 1.0), lying, 0.3),
+        (Ellipsoid((0.2, 0.3, 0.4)), (1.0, 0.0, 0.0, 0.0), 0.4),
+        (Ellipsoid((0.2, 0.3, 0.4)), lying, 0.2),
         (pyramid, (1.0, 0.0, 0.0, 0.0), 0.3),
     ]
     bodies = [BenchBody(shape, (0.0, 0.0, 5.0), turn) for shape, turn, _ in shapes]  # type: ignore[arg-type]  # a mixed list

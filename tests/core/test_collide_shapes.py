@@ -1,4 +1,4 @@
-"""Contacts of capsules, cylinders and hulls with everything: known places, brute force over directions, fuzz, and rest.
+"""Contacts of capsules, cylinders, ellipsoids and hulls with everything: known places, brute force, fuzz, and rest.
 
 The separation of two convex shapes along n is how far they are apart seen from the side of n. Its largest value over
 all directions is their distance or, where they overlap, minus the least translation that frees them: no knowledge of
@@ -43,6 +43,11 @@ def cylinder(radius: float, half: float, position: Any = (0.0, 0.0, 0.0), orient
     return Placed(state.CYLINDER, (radius, radius, half, 0.0), position, orientation)
 
 
+def ellipsoid(half: Any, position: Any = (0.0, 0.0, 0.0), orientation: Any = UP) -> Placed:
+    """An ellipsoid by its semi-axes."""
+    return Placed(state.ELLIPSOID, (*(float(h) for h in half), 0.0), position, orientation)
+
+
 def hull(points: Any, position: Any = (0.0, 0.0, 0.0), orientation: Any = UP) -> Placed:
     """The hull of some points."""
     shape = st.ConvexHull(points)
@@ -76,6 +81,8 @@ def support(placed: Placed, n: Array) -> Array:
         return np.asarray(reach + np.abs(m[:, 2]) * (s[2] - s[0]) + s[0])
     if placed.shape == state.CYLINDER:
         return np.asarray(reach + np.hypot(m[:, 0], m[:, 1]) * s[0] + np.abs(m[:, 2]) * s[2])
+    if placed.shape == state.ELLIPSOID:
+        return np.asarray(reach + np.linalg.norm(m * s[:3], axis=1))
     return np.asarray(reach + (m @ HULLS[int(s[3])].T).max(axis=1))
 
 
@@ -113,7 +120,7 @@ def best_separation(rng: np.random.Generator, a: Placed, b: Placed) -> float:
 
 # --- random scenes ----------------------------------------------------------------------------------------------------
 
-KINDS = ("sphere", "box", "capsule", "cylinder", "hull")
+KINDS = ("sphere", "box", "capsule", "cylinder", "hull", "ellipsoid")
 PAIRS = [p for p in itertools.combinations_with_replacement(KINDS, 2) if {*p} - {"sphere", "box"}]
 every_pair = pytest.mark.parametrize("kinds", PAIRS, ids=" and ".join)
 
@@ -130,6 +137,8 @@ def random_shape(rng: np.random.Generator, kind: str) -> Placed:
         return capsule(r, h, orientation=q)
     if kind == "cylinder":
         return cylinder(r, h, orientation=q)
+    if kind == "ellipsoid":
+        return ellipsoid(rng.uniform(0.2, 1.0, size=3), orientation=q)
     if kind == "hull":
         return hull(0.5 * rng.normal(size=(int(rng.integers(5, 20)), 3)), orientation=q)
     return plane(random_unit(rng), 0.0)
@@ -447,6 +456,8 @@ def strange_shapes(draw: Any) -> Placed:
         return capsule(x, y, position, turn)
     if kind == "cylinder":
         return cylinder(x, y, position, turn)
+    if kind == "ellipsoid":
+        return ellipsoid((x, y, z), position, turn)
     points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), *draw(some.sampled_from([[(1, 1, 1)], []]))], float)
     return hull(points * (x, y, z), position, turn)
 

@@ -18,8 +18,18 @@ from stiction.hulls import HullTable
 
 from .support import Array, compiled, matrix_of, random_unit, vec
 
-SHAPES = [state.SPHERE, state.BOX, state.PLANE, state.CAPSULE, state.CYLINDER, state.HULL]
-NAMES = ["sphere", "box", "plane", "capsule", "cylinder", "hull"]
+SHAPES = [state.SPHERE, state.BOX, state.PLANE, state.CAPSULE, state.CYLINDER, state.HULL, state.ELLIPSOID]
+NAMES = ["sphere", "box", "plane", "capsule", "cylinder", "hull", "ellipsoid"]
+
+
+def ellipsoid_root(p: Array, s: Array) -> Array:
+    """(k,) t with which p / (1 + t / s^2) is the point of the surface that is nearest to p (k, 3), by bisection."""
+    low, high = np.full(len(p), -(s.min() ** 2)), np.linalg.norm(p, axis=1) * s.max()
+    for _ in range(100):
+        t = 0.5 * (low + high)
+        outside = np.sum((s * p / (t[:, None] + s**2)) ** 2, axis=1) > 1.0
+        low, high = np.where(outside, t, low), np.where(outside, high, t)
+    return np.asarray(high)
 
 
 class Scene:
@@ -92,6 +102,10 @@ class Scene:
             return np.asarray(np.hypot(across, beyond) - s[0])
         if shape == state.CYLINDER:
             return np.maximum(across - s[0], np.abs(p[:, 2]) - s[2])
+        if shape == state.ELLIPSOID:
+            t = ellipsoid_root(p, s[:3])
+            away = p * t[:, None] / (t[:, None] + s[:3] ** 2)
+            return np.asarray(np.sign(t) * np.linalg.norm(away, axis=1))
         arrays = self.table.arrays
         _, _, first, count, _, _ = arrays.spans[int(s[3])]
         planes = arrays.planes[first : first + count]
@@ -110,6 +124,8 @@ class Scene:
             v = self.points[i]  # least squares over convex combinations; the weights' sum is enforced
             weights, _ = nnls(np.vstack([v.T, np.full(len(v), 1e4)]), np.append(p, 1e4))
             q = weights @ v
+        elif shape == state.ELLIPSOID:
+            q = p / (1.0 + max(0.0, ellipsoid_root(p[None], s[:3])[0]) / s[:3] ** 2)
         else:
             h = s[2] - s[0] if shape == state.CAPSULE else 0.0
             c = np.array([0.0, 0.0, np.clip(p[2], -h, h)])
@@ -198,6 +214,7 @@ def test_closed_forms() -> None:
         state.BOX: ((0.5, 0.7, 0.4, 0), 3.5, (-1, 0, 0)),
         state.PLANE: ((-1, 0, 0, -0.25), 4.25, (-1, 0, 0)),
         state.CAPSULE: ((0.5, 0.5, 0.9, 0), 3.5, (-1, 0, 0)),
+        state.ELLIPSOID: ((2.0, 0.7, 0.5, 0), 4.0 - 1.6, (-0.1 * math.sqrt(10), 0, 0.3 * math.sqrt(10))),
         state.CYLINDER: ((0.5, 0.5, 0.9, 0), 3.5, (-1, 0, 0)),
     }
     for shape, (size, distance, normal) in expected.items():
@@ -253,7 +270,7 @@ def test_balls_overlap_what_is_nearer_than_their_radius(rng: np.random.Generator
     for _ in range(20):
         scene = Scene(rng, SHAPES * 3, 2.0)
         center, radius = rng.normal(size=3), float(rng.uniform(0.05, 1.5))
-        distance = np.array([np.linalg.norm(scene.project(i, center) - center) for i in range(18)])
+        distance = np.array([np.linalg.norm(scene.project(i, center) - center) for i in range(len(scene.bodies))])
         assert np.abs(distance - radius).min() > 1e-7  # clear answers only
         expected = np.flatnonzero(distance < radius).tolist()
         overlaps += len(expected)

@@ -16,7 +16,7 @@ from stiction.plot.still import View
 from stiction.shapes import Shape
 
 SHAPES: list[Shape] = [
-    st.Box((1, 1, 1)), st.Sphere(0.5), st.Cylinder(0.5, 1), st.Capsule(0.3, 0.6),
+    st.Box((1, 1, 1)), st.Sphere(0.5), st.Cylinder(0.5, 1), st.Capsule(0.3, 0.6), st.Ellipsoid((0.9, 0.4, 0.2)),
     st.ConvexHull([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)]),
 ]  # fmt: skip
 

@@ -116,6 +116,7 @@ def test_a_scene_without_bodies_can_be_recorded(tmp_path: Path) -> None:
         st.Plane((1, 2, 3), 0.1),
         st.Capsule(0.1, 0.7),
         st.Cylinder(0.1, 0.7),
+        st.Ellipsoid((0.1, 1 / 3, 3)),
         st.ConvexHull([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1 / 3)]),
     ],
 )

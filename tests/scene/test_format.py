@@ -245,7 +245,7 @@ REFUSED: dict[str, tuple[str, str]] = {
     "normal": (HEAD + FLOOR.replace("}", ", normal = [0, 0, 0]}"), "bodies[0].shape.normal: must not be zero, got [0."),
     "type": (
         HEAD + CRATE.replace('"box"', '"bx"'),
-        "bodies[0].shape.type: must be one of box, sphere, plane, capsule, cylinder, hull, got 'bx' (did you mean 'box",
+        "bodies[0].shape.type: must be one of box, sphere, plane, capsule, cylinder, ellipsoid, hull, got 'bx' (did yo",
     ),
     "no type": (HEAD + '[[bodies]]\nname = "b"\nshape = {}\n', "bodies[0].shape.type: must be given: one of box, sphe"),
     "shape as a word": (
@@ -366,6 +366,7 @@ def test_a_toml_syntax_error_names_file_and_line(text: str, sentence: str | None
     [
         '{type = "capsule", radius = 0.5, length = 1}',
         '{type = "cylinder", radius = 0.5, length = 1}',
+        '{type = "ellipsoid", half_extents = [0.5, 0.3, 0.2]}',
         '{type = "hull", points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]}',
     ],
 )

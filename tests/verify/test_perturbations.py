@@ -157,7 +157,7 @@ CHANGES: dict[str, tuple[Change, str]] = {
     ),
     "spins damped by 1e-4 a step": (
         damping(1.0, 0.9999),
-        "spinning-top tumbling-period precession torsional-resistance slide-to-roll-energy tippe-top",
+        "spinning-top tumbling-period precession torsional-resistance slide-to-roll-energy tippe-top rattleback",
     ),
     "energy of an impact grows by 1e-6": (damping(1.0 + 1e-6, 1.0 + 1e-6), "impact-energy"),
     "gravity 10 % more": (gravity(1.1), "sink-of-soft-contacts"),

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere
 from stiction.view import camera, meshes, style
 from stiction.view.survey import corners, matrices, quaternion, round_length
 
@@ -17,6 +17,7 @@ SHAPES: list[Shape] = [
     Box((1.0, 2.0, 0.5)),
     Capsule(0.3, 1.1),
     Cylinder(0.6, 0.4),
+    Ellipsoid((0.9, 0.3, 0.5)),
     ConvexHull(np.array([[0, 0, 0], [2, 0, 0], [0, 1, 0], [0, 0, 1.5], [1, 1, 1]])),
 ]
 

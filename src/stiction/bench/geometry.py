@@ -1,7 +1,7 @@
 """How deep bodies lie in each other, from their poses alone: the same yardstick for every engine.
 
 Spheres and boxes against each other are exact (closest points; the fifteen separating axes of two boxes). For capsules,
-cylinders and hulls only the depth in the ground is measured, by their lowest point.
+cylinders, ellipsoids and hulls only the depth in the ground is measured, by their lowest point.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stiction.bench import rotations
 from stiction.bench.scene import BenchScene
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -46,6 +46,8 @@ def reach(shape: Shape) -> float:
             return 0.5 * shape.length + shape.radius
         case Cylinder():
             return float(np.hypot(0.5 * shape.length, shape.radius))
+        case Ellipsoid():
+            return max(shape.half_extents)
         case ConvexHull():
             return float(np.linalg.norm(shape.points, axis=1).max())
     raise TypeError(f"{type(shape).__name__} has no end")
@@ -67,6 +69,8 @@ def lowest(scene: BenchScene, positions: Array, orientations: Array) -> Array:
                 result[i] -= 0.5 * shape.length * abs(z[2]) + shape.radius
             case Cylinder():
                 result[i] -= 0.5 * shape.length * abs(z[2]) + shape.radius * float(np.hypot(z[0], z[1]))
+            case Ellipsoid():
+                result[i] -= float(np.linalg.norm(z * shape.half_extents))
             case ConvexHull():
                 result[i] += float((shape.points @ z).min())
     return result

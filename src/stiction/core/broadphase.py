@@ -11,6 +11,7 @@ from stiction.core.jit import jit
 from stiction.core.pairs import layers_agree
 from stiction.core.state import (
     BOUNDS,
+    ELLIPSOID,
     FORCE,
     INVERSE_MASS,
     MOBILITY,
@@ -61,6 +62,10 @@ def set_bounds(bodies, kinds, i, R, margin):
     p, s = vec3(bodies, i, POSITION), vec3(bodies, i, SIZE)
     if kinds[i, SHAPE] == SPHERE:
         ex = ey = ez = s.x
+    elif kinds[i, SHAPE] == ELLIPSOID:
+        ex = length(Vec3(R.xx * s.x, R.xy * s.y, R.xz * s.z))
+        ey = length(Vec3(R.yx * s.x, R.yy * s.y, R.yz * s.z))
+        ez = length(Vec3(R.zx * s.x, R.zy * s.y, R.zz * s.z))
     else:
         ex = abs(R.xx) * s.x + abs(R.xy) * s.y + abs(R.xz) * s.z
         ey = abs(R.yx) * s.x + abs(R.yy) * s.y + abs(R.yz) * s.z

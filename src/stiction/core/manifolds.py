@@ -20,6 +20,7 @@ from stiction.core.state import (
     CAPSULE,
     CYLINDER,
     DYNAMIC_MU,
+    ELLIPSOID,
     FEATURE,
     KINEMATIC,
     MATERIAL,
@@ -106,7 +107,9 @@ def take_points(
         center = center + vec3(contacts, k, POINT)
     center = center * (1.0 / found)
     if found <= 2:
-        center = center + n * to_round_surface(bodies, kinds, a, b, contacts, found)
+        center = center + n * to_round_surface(
+            bodies, kinds, a, b, contacts, found, transpose(Ra) @ n, transpose(Rb) @ n
+        )
 
     fresh = meta[row, s.POINTS] == 0
     same = meta[row, s.POINTS] == found
@@ -220,13 +223,13 @@ def take_points(
 
 
 @jit
-def to_round_surface(bodies, kinds, a, b, contacts, found):
+def to_round_surface(bodies, kinds, a, b, contacts, found, na, nb):
     """From the middle of a penetration along the normal to where what rolls has its full radius, m.
 
     Half way a ball would roll on a radius that is short by half of what it sinks. Where both are round, each is short
-    by the same part of its radius.
+    by the same part of its radius. ``na`` and ``nb``: the normal in the axes of either body.
     """
-    round_a, round_b = curvature(bodies, kinds, a, found), curvature(bodies, kinds, b, found)
+    round_a, round_b = curvature(bodies, kinds, a, found, na), curvature(bodies, kinds, b, found, nb)
     if round_a == round_b:
         return 0.0
     deep = 0.0
@@ -236,11 +239,20 @@ def to_round_surface(bodies, kinds, a, b, contacts, found):
 
 
 @jit
-def curvature(bodies, kinds, i, found):
-    """Of the side on which body i may roll, 1/m; 0 of what has none, and of a cylinder that stands on its rim."""
+def curvature(bodies, kinds, i, found, n):
+    """Of the side on which body i may roll, 1/m; 0 of what has none, and of a cylinder that stands on its rim.
+
+    An ellipsoid has two, and rolls with a mixture of them that depends on where to. Against what is flat it does not
+    matter which; against what is round their geometric mean is never wrong by more than the root of their ratio. It is
+    the root of Gauss' curvature, h^4 / (a b c)^2 where it reaches h far along its normal n.
+    """
     shape = kinds[i, SHAPE]
     if shape == SPHERE or shape == CAPSULE or (shape == CYLINDER and found == 2):
         return 1.0 / bodies[i, SIZE]
+    if shape == ELLIPSOID:
+        s = vec3(bodies, i, SIZE)
+        x, y, z = s.x * n.x, s.y * n.y, s.z * n.z
+        return (x * x + y * y + z * z) / (s.x * s.y * s.z)
     return 0.0
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 from stiction.core.collide.gjk import closest
-from stiction.core.collide.hulls import CUBE, POINT, Convex, convex_of, face_count, face_plane
+from stiction.core.collide.hulls import CUBE, POINT, Convex, convex_of, face_count, face_plane, is_ellipsoid
 from stiction.core.jit import jit
 from stiction.core.pairs import FOUND, PLANES, PLANES_LIST, STACK
 from stiction.core.state import (
@@ -27,7 +27,7 @@ from stiction.core.state import (
     SIZE,
 )
 from stiction.core.tree import LEFT, NONE, RIGHT, ROOT, query
-from stiction.core.vec import Mat33, Vec3, column, cross, dot, length, quat, rotation, vec3
+from stiction.core.vec import Mat33, Vec3, column, cross, dot, length, quat, rotation, transpose, vec3
 
 HIT_DISTANCE, HIT_NORMAL, HIT_WIDTH = 0, 1, 4
 """Columns of hits: distance from the origin of the ray, m; outward normal of the surface there, world."""
@@ -108,6 +108,23 @@ def _ray_rounded(X, o, d):
 
 
 @jit
+def _ray_ellipsoid(X, o, d):
+    """First point of a ray in an ellipsoid: divided by its semi-axes, it is the ball of radius 1."""
+    s, o, d_own = X.scale, transpose(X.R) @ o, transpose(X.R) @ d
+    p, way = Vec3(o.x / s.x, o.y / s.y, o.z / s.z), Vec3(d_own.x / s.x, d_own.y / s.y, d_own.z / s.z)
+    if dot(p, p) <= 1.0:
+        return 0.0, -d
+    speed = length(way)
+    way = way * (1.0 / speed)
+    enter, leave = _ray_ball(p, way, 1.0)
+    if not 0.0 <= enter <= leave:
+        return math.inf, d
+    p = p + way * enter
+    n = Vec3(p.x / s.x, p.y / s.y, p.z / s.z)
+    return enter / speed, X.R @ (n * (1.0 / length(n)))
+
+
+@jit
 def _ray_faces(X, hulls, o, d):
     """First point of a ray in a box, a hull or a cylinder: the part of the ray behind all faces, and in the tube."""
     enter, leave, n = -math.inf, math.inf, d
@@ -154,6 +171,8 @@ def ray_shape(bodies, kinds, hulls, i, origin, d):
     X = convex_of(bodies, kinds, i, p, hulls)
     if X.radius > 0.0:
         return _ray_rounded(X, origin - p, d)
+    if is_ellipsoid(X):
+        return _ray_ellipsoid(X, origin - p, d)
     return _ray_faces(X, hulls, origin - p, d)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from stiction.core.memory import zeros
 
-SPHERE, BOX, PLANE, CAPSULE, CYLINDER, HULL = range(6)
+SPHERE, BOX, PLANE, CAPSULE, CYLINDER, HULL, ELLIPSOID = range(7)
 """Codes of the shapes."""
 
 STATIC, KINEMATIC, DYNAMIC = 0, 1, 2

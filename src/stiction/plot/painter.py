@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stiction import checks
 from stiction.errors import InvalidInputError
 from stiction.scene.placing import turned
-from stiction.shapes import Cylinder, Shape, Sphere
+from stiction.shapes import Cylinder, Ellipsoid, Shape, Sphere
 from stiction.view import style
 from stiction.view.meshes import CREASE, ROUND, solid
 
@@ -108,6 +108,8 @@ def outline(shape: Shape) -> Outline:
             seen[edge] = k
     pairs = np.array(sides)
     creases = np.sum(normals[pairs[:, 0]] * normals[pairs[:, 1]], axis=1) < CREASE
+    if isinstance(shape, Ellipsoid):  # its facets meet at any angle where it is pointed
+        creases[:] = False
     return Outline(vertices, polygons, normals, np.array(edges), pairs, creases)
 
 
@@ -252,6 +254,8 @@ def paint(one: Solid, view: Array, strokes: Strokes, width: float) -> None:
     drawn = np.where(form.creases, sides.any(axis=1), sides[:, 0] != sides[:, 1])
     for edge in form.edges[drawn].tolist():
         strokes.line(flat[edge], width)
+    if isinstance(one.shape, Ellipsoid):
+        _draw_rings(one, view, strokes, width, one.shape.half_extents)
     if isinstance(one.shape, Cylinder):
         r, h = one.shape.radius, one.shape.length / 2
         for z in (-h, h):
@@ -267,16 +271,25 @@ def _paint_sphere(one: Solid, view: Array, strokes: Strokes, width: float) -> No
     for share, light in ((1.0, -0.35), (0.88, 0.1), (0.6, 0.35), (0.3, 0.6)):
         at = centre + (1.0 - share) * 0.75 * r * LIGHT[:2] / np.linalg.norm(LIGHT[:2])
         strokes.fill(at + share * r * circle, shaded(one.color, light))
-    for k in range(2):  # two great circles of the body, where they can be seen
-        ring = np.insert(r * circle, k * 2, 0.0, axis=1)
-        ring = turned(one.orientation, ring)
-        front = ring @ view[2] > 0.0
-        if front.any() and not front.all():  # begin at the rim, so that what is seen is in one piece
-            ring = np.roll(ring[:-1], -int(np.argmin(front[:-1])), axis=0)
-            front = ring @ view[2] > 0.0
-        if front.any():
-            strokes.line(ring[front] @ view[:2].T + centre, 0.6 * width)
+    _draw_rings(one, view, strokes, width, (r, r, r))
     strokes.line(centre + r * circle, width)
+
+
+def _draw_rings(
+    one: Solid, view: Array, strokes: Strokes, width: float, half_extents: tuple[float, float, float]
+) -> None:
+    """Two great circles of a ball, or what an ellipsoid has instead of them, where they can be seen."""
+    turn = np.linspace(0.0, 2.0 * math.pi, ROUND + 1)
+    circle = np.column_stack([np.cos(turn), np.sin(turn)])
+    for k in range(2):
+        ring = np.insert(circle, k * 2, 0.0, axis=1)
+        front = turned(one.orientation, ring / half_extents) @ view[2] > 0.0  # by the normals
+        ring = turned(one.orientation, ring * half_extents)
+        if front.any() and not front.all():  # begin at the rim, so that what is seen is in one piece
+            begin = -int(np.argmin(front[:-1]))
+            ring, front = np.roll(ring[:-1], begin, axis=0), np.roll(front[:-1], begin)
+        if front.any():
+            strokes.line((ring[front] + one.position) @ view[:2].T, 0.6 * width)
 
 
 def shaded(color: str, light: float) -> str:

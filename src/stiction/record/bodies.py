@@ -9,7 +9,7 @@ from pydantic import TypeAdapter
 from stiction.body import Body
 from stiction.record.frames import BodyInfo
 from stiction.scene.model import ShapeTable
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere
 
 _SHAPES: TypeAdapter[Any] = TypeAdapter(ShapeTable)
 
@@ -25,6 +25,8 @@ def shape_to_dict(shape: Shape) -> dict[str, Any]:
             return {"type": "plane", "normal": list(shape.normal), "offset": shape.offset}
         case Capsule() | Cylinder():
             return {"type": shape.kind, "radius": shape.radius, "length": shape.length}
+        case Ellipsoid():
+            return {"type": "ellipsoid", "half_extents": list(shape.half_extents)}
         case ConvexHull():
             return {"type": "hull", "points": shape.points.tolist()}
     raise TypeError(f"no file form of {type(shape).__name__}")

@@ -182,6 +182,18 @@ class CylinderTable(Table):
         return shapes.Cylinder(self.radius, self.length)
 
 
+class EllipsoidTable(Table):
+    """A solid ellipsoid, centred on its frame."""
+
+    type: Literal["ellipsoid"]
+    half_extents: fields.Lengths
+    """Semi-axes along x, y and z, m."""
+
+    def build(self) -> shapes.Shape:
+        """The shape."""
+        return shapes.Ellipsoid(self.half_extents)
+
+
 class HullTable(Table):
     """The convex hull of points."""
 
@@ -194,7 +206,7 @@ class HullTable(Table):
         return shapes.ConvexHull(self.points)
 
 
-SHAPES = ("box", "sphere", "plane", "capsule", "cylinder", "hull")
+SHAPES = ("box", "sphere", "plane", "capsule", "cylinder", "ellipsoid", "hull")
 
 
 def _known_type(value: Any) -> Any:
@@ -210,7 +222,7 @@ def _known_type(value: Any) -> Any:
 
 
 ShapeTable = Annotated[
-    SphereTable | BoxTable | PlaneTable | CapsuleTable | CylinderTable | HullTable,
+    SphereTable | BoxTable | PlaneTable | CapsuleTable | CylinderTable | EllipsoidTable | HullTable,
     Discriminator("type"),
 ]
 

@@ -107,6 +107,7 @@ CASES: tuple[type[Case], ...] = (
     cases_laws.PullOff,
     cases_edges.BalanceOnAnEdge,
     cases_tops.TippeTop,
+    cases_tops.Rattleback,
 )
 
 

@@ -1,8 +1,9 @@
 """Triangles for the shapes: a solid and, over it, its edges in ink.
 
 A ball or a roller of one colour does not show that it turns, and boxes of one colour run into each other, so every
-shape comes with a second mesh of thin bars: edges of boxes and hulls, three great circles on a sphere, rims and spokes
-on a cylinder. Corners are repeated where the surface has a crease, because the viewer smooths over shared corners.
+shape comes with a second mesh of thin bars: edges of boxes and hulls, three great circles on a sphere or an ellipsoid,
+rims and spokes on a cylinder. Corners are repeated where the surface has a crease, because the viewer smooths over
+shared corners.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from itertools import pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere
 from stiction.view import style
 
 Array = NDArray[np.float64]
@@ -45,6 +46,9 @@ def solid(shape: Shape) -> Mesh:
             return _box(np.array(shape.size))
         case Sphere():
             return sphere(shape.radius)
+        case Ellipsoid():
+            ball = sphere(1.0)
+            return Mesh(ball.vertices * shape.half_extents, ball.faces)
         case Cylinder():
             r, h = shape.radius, shape.length / 2
             # three pieces, so that the rims stay sharp
@@ -69,6 +73,9 @@ def edges(shape: Shape) -> Mesh:
         case Sphere():
             ring = _ring(shape.radius, 0.0, width)
             return join([ring, _turned(ring, 0), _turned(ring, 1)])
+        case Ellipsoid():
+            a, b, c = shape.half_extents
+            return join([_oval(a, b, width), _turned(_oval(b, c, width), 0), _turned(_oval(c, a, width), 1)])
         case Cylinder():
             r, h = shape.radius, shape.length / 2
             x, y = np.array([r, 0.0, 0.0]), np.array([0.0, r, 0.0])
@@ -97,6 +104,8 @@ def bounds(shape: Shape) -> tuple[Array, Array]:
             half = np.array(shape.size) / 2
         case Sphere():
             half = np.full(3, shape.radius)
+        case Ellipsoid():
+            half = np.array(shape.half_extents)
         case Cylinder():
             half = np.array([shape.radius, shape.radius, shape.length / 2])
         case Capsule():
@@ -116,6 +125,8 @@ def height(shape: Shape, rotation: Array) -> float:
             return float(np.abs(up) @ np.array(shape.size) / 2)
         case Sphere():
             return shape.radius
+        case Ellipsoid():
+            return float(np.linalg.norm(up * shape.half_extents))
         case Cylinder():
             return float(abs(up[2]) * shape.length / 2 + math.hypot(up[0], up[1]) * shape.radius)
         case Capsule():
@@ -223,6 +234,13 @@ def _ring(radius: float, z: float, width: float) -> Mesh:
     h = width / 2
     corners = [(radius - h, z - h), (radius + h, z - h), (radius + h, z + h), (radius - h, z + h), (radius - h, z - h)]
     return join([_revolve([p, q]) for p, q in pairwise(corners)])
+
+
+def _oval(x: float, y: float, width: float) -> Mesh:
+    """A ring about z at height 0, centred on an ellipse with these semi-axes."""
+    ring = _ring(x, 0.0, width)
+    sine = ring.vertices[:, 1] / np.linalg.norm(ring.vertices[:, :2], axis=1)
+    return Mesh(ring.vertices + np.outer((y - x) * sine, (0.0, 1.0, 0.0)), ring.faces)
 
 
 def _turned(mesh: Mesh, axis: int) -> Mesh:

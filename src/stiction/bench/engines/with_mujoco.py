@@ -13,7 +13,7 @@ import numpy as np
 from stiction.bench import rotations
 from stiction.bench.engines.base import Array, Engine, density
 from stiction.bench.scene import BenchBody, BenchScene
-from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Shape, Sphere
+from stiction.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere
 
 HINGE_INERTIA = 1e9
 """kg m^2 of what turns, kg of what glides: no load changes its speed within a step."""
@@ -25,6 +25,7 @@ class Adapter(Engine):
     name = "mujoco"
     module = "mujoco"
     distribution = "mujoco"
+    kinds = Engine.kinds | {"ellipsoid"}
     rolls = True
     bounces = False
     combines = "maximum"
@@ -171,6 +172,8 @@ def _geometry(shape: Shape, mesh: str) -> str:
             return f'type="box" size="{_text(0.5 * s for s in shape.size)}"'
         case Capsule() | Cylinder():
             return f'type="{shape.kind}" size="{shape.radius!r} {0.5 * shape.length!r}"'
+        case Ellipsoid():
+            return f'type="ellipsoid" size="{_text(shape.half_extents)}"'
         case ConvexHull():
             return f'type="mesh" mesh="{mesh}"'
     raise TypeError(f"no geom for {shape!r}")

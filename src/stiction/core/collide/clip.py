@@ -14,7 +14,9 @@ from stiction.core.collide.hulls import (
     corner_count,
     face_plane,
     facing,
+    is_ellipsoid,
     number_of_two,
+    support,
     two_best,
     vertex,
 )
@@ -62,6 +64,8 @@ def clip_face(F, f, n, X, owner, hulls, margin, points):
         found = hulls.spans[X.hull, 1]
         for k in range(found):
             put_vec3(points, k, 0, vertex(X, hulls, first + k))
+    elif is_ellipsoid(X):
+        put_vec3(points, 0, 0, support(X, hulls, -n))
     else:
         u = Vec3(0.0, 0.0, 0.0)
         if X.round:
@@ -175,6 +179,8 @@ def _disc(X, center, n, p, m, offset, margin, base, points):
 def _line(X, hulls, n):
     """The line with which X reaches farthest along n: whether there is one, its ends, the radius about it, and which
     edge it is."""
+    if is_ellipsoid(X):
+        return False, X.p, X.p, 0.0, 0
     if X.round or X.hull == SEGMENT:
         axis = column(X.R, 2)
         h = axis * X.scale.z

@@ -1,4 +1,5 @@
-"""Contacts of two convex shapes that have no formula of their own: polytopes, cylinders, and what rounds their corners.
+"""Contacts of two convex shapes that have no formula of their own: polytopes, cylinders, ellipsoids, and what rounds
+their corners.
 
 First the direction along which they are farthest apart, or least deep in each other (``directions``); then a face that
 is as good as the best direction is the reference, and what lies over it is clipped to it.
@@ -26,8 +27,9 @@ from stiction.core.collide.directions import (
     climb,
     look_around,
 )
+from stiction.core.collide.ellipsoid import is_smooth, sharpen
 from stiction.core.collide.gjk import closest
-from stiction.core.collide.hulls import POINT, face_below, number_of_two, support
+from stiction.core.collide.hulls import NOTHING, POINT, face_below, number_of_two, support
 from stiction.core.collide.manifold import emit, reduce
 from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, dot, length, transpose, vec3
@@ -57,7 +59,7 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
     """
     zero = Vec3(0.0, 0.0, 0.0)
     r, small = A.radius + B.radius, min(A.small, B.small)
-    round_one = A.round or B.round
+    round_one = A.hull == NOTHING or B.hull == NOTHING
     curved = round_one or hulls.spans[A.hull, 5] * hulls.spans[B.hull, 5] > MOST_EDGE_PAIRS
     slack = (ROUND_PREFERENCE if round_one or r > 0.0 else FACE_PREFERENCE) * small
     # nearer than this, GJK is not asked for the distance as it is
@@ -65,7 +67,7 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
 
     n, sigma, wa, wb, feature = zero, -math.inf, zero, zero, -1
     known, apart = dot(hint, hint) > 0.0, False
-    if A.hull == POINT and not B.round and B.hull > POINT:
+    if A.hull == POINT and B.hull > NOTHING:
         sigma, n = face_below(B, hulls, A.p)
         apart, n = sigma > floor, -n
         wa, wb = A.p, A.p + n * sigma
@@ -115,6 +117,8 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
             _, n, sigma, wa, wb = look_around(A, B, hulls, n, sigma, wa, wb)
         else:
             n, sigma, wa, wb, feature = best_edges(A, B, hulls)
+    if found == 0 and sigma > -math.inf and is_smooth(A) and is_smooth(B):
+        n, sigma, wa, wb = sharpen(A, B, n)
 
     normal = n
     if sure:

@@ -19,7 +19,17 @@ import math
 
 from stiction.core.collide.capsule import nearest_on_segments, perpendicular
 from stiction.core.collide.gjk import closest
-from stiction.core.collide.hulls import POINT, SEGMENT, number_of_two, reach_point, shrunk, support, two_best, vertex
+from stiction.core.collide.hulls import (
+    POINT,
+    SEGMENT,
+    is_ellipsoid,
+    number_of_two,
+    reach_point,
+    shrunk,
+    support,
+    two_best,
+    vertex,
+)
 from stiction.core.jit import inlined, jit
 from stiction.core.vec import Vec3, column, cross, dot, length, transpose, vec3
 
@@ -86,6 +96,8 @@ def between_lines(A, B, hulls, shift, n, tolerance):
     It is if the cores are as far apart along the line between the nearest points as these points are, but for a part
     ``tolerance``.
     """
+    if is_ellipsoid(A) or is_ellipsoid(B):
+        return False, 0.0, n, A.p, B.p
     p, u, ra = _line_at(A, hulls, n)
     q, v, rb = _line_at(B, hulls, -n)
     q = q + shift

@@ -1,4 +1,5 @@
-"""Convex shapes as the narrow phase sees them: a core, which is a polytope or a cylinder, grown by a radius.
+"""Convex shapes as the narrow phase sees them: a core, which is a polytope, a cylinder or an ellipsoid, grown by a
+radius.
 
 A sphere is a point with a radius, a capsule a segment with a radius, a box the cube of the table, scaled by its half
 lengths. So one support function, one distance and one clipping serve all pairs that have no formula of their own.
@@ -12,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core.jit import inlined, jit
-from stiction.core.state import BOX, CAPSULE, CYLINDER, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
+from stiction.core.state import CAPSULE, CYLINDER, ELLIPSOID, HULL, ORIENTATION, SHAPE, SIZE, SPHERE
 from stiction.core.vec import Mat33, Vec3, column, cross, dot, quat, rotation, transpose, vec3
 
 
@@ -30,7 +31,8 @@ class Hulls(NamedTuple):
 
 
 CUBE, SEGMENT, POINT, NOTHING, PRIMITIVES = range(5)
-"""Rows of the table that are always there: [-1, 1]^3, (0, 0, -1) to (0, 0, 1), the origin, and none for a cylinder."""
+"""Rows of the table that are always there: [-1, 1]^3, (0, 0, -1) to (0, 0, 1), the origin, and none for a cylinder or
+an ellipsoid."""
 
 
 class Convex(NamedTuple):
@@ -38,7 +40,7 @@ class Convex(NamedTuple):
 
     p: Vec3  # origin of the shape's frame, m
     R: Mat33  # its axes
-    scale: Vec3  # factors of the hull's vertices; radius, radius and half length of a cylinder, m
+    scale: Vec3  # factors of the hull's vertices; radius, radius, half length of a cylinder; semi-axes, m
     radius: float  # by which the core is grown, m
     small: float  # half of the least width, m
     hull: int
@@ -65,17 +67,32 @@ def convex_of(bodies, kinds, i, p, hulls):
     elif shape == CAPSULE:
         radius, hull = s.x, SEGMENT
         s = Vec3(0.0, 0.0, s.z - s.x)
-    elif shape == CYLINDER:
+    elif shape == CYLINDER or shape == ELLIPSOID:
         hull = NOTHING
     elif shape == HULL:
         hull = int(bodies[i, SIZE + 3])
         s = Vec3(1.0, 1.0, 1.0)
     small = radius
-    if shape == BOX or shape == CYLINDER:
+    if hull == CUBE or hull == NOTHING:
         small = min(s.x, min(s.y, s.z))
     elif shape == HULL:
         small = hulls.breadths[hull]
     return Convex(p, R, s, radius, small, hull, shape == CYLINDER)
+
+
+@inlined
+def is_ellipsoid(X):
+    """Whether the core is an ellipsoid: it has neither corners nor faces."""
+    return X.hull == NOTHING and not X.round
+
+
+@inlined
+def ellipsoid_point(s, m):
+    """The point of an ellipsoid with semi-axes s that lies farthest along m, in its axes; 0 if it has no size."""
+    x, y, z = s.x * m.x, s.y * m.y, s.z * m.z
+    size = math.sqrt(x * x + y * y + z * z)
+    f = 1.0 / size if size > 0.0 else 0.0
+    return Vec3(s.x * (x * f), s.y * (y * f), s.z * (z * f))
 
 
 @inlined
@@ -107,6 +124,8 @@ def reach_point(X, hulls, m):
         return Vec3(m.x * f, m.y * f, math.copysign(s.z, m.z))
     if X.hull <= POINT:
         return Vec3(s.x if m.x > 0.0 else -s.x, s.y if m.y > 0.0 else -s.y, s.z if m.z > 0.0 else -s.z)
+    if X.hull == NOTHING:
+        return ellipsoid_point(s, m)
     x, y, z = m.x * s.x, m.y * s.y, m.z * s.z
     v = hulls.vertices
     first = hulls.spans[X.hull, 0]

@@ -7,11 +7,12 @@ from stiction.core.collide.box_box import box_box
 from stiction.core.collide.box_plane import box_plane
 from stiction.core.collide.capsule import capsule_capsule
 from stiction.core.collide.convex import convex_convex
+from stiction.core.collide.ellipsoid import ellipsoid_plane
 from stiction.core.collide.hulls import convex_of
 from stiction.core.collide.on_plane import cylinder_plane, hull_plane
 from stiction.core.collide.sphere import sphere_box, sphere_cylinder, sphere_plane, sphere_sphere
 from stiction.core.jit import jit
-from stiction.core.state import BOX, CAPSULE, CYLINDER, ORIENTATION, PLANE, POSITION, SHAPE, SIZE, SPHERE
+from stiction.core.state import BOX, CAPSULE, CYLINDER, ELLIPSOID, ORIENTATION, PLANE, POSITION, SHAPE, SIZE, SPHERE
 from stiction.core.vec import Vec3, dot, quat, rotation, vec3
 
 
@@ -64,6 +65,8 @@ def pair_contacts(bodies, kinds, a, b, margin, hint, contacts, tags, count, poin
             offset -= dot(n, pa)
             if one == CYLINDER:
                 count = cylinder_plane(contacts, tags, count, a, A, b, n, offset, pa, margin)
+            elif one == ELLIPSOID:
+                count = ellipsoid_plane(contacts, tags, count, a, A, b, n, offset, pa, margin)
             else:
                 count = hull_plane(contacts, tags, count, a, A, b, n, offset, pa, hulls, margin, points)
     elif other == SPHERE:
