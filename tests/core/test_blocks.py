@@ -130,7 +130,7 @@ class Block:
             index[:, k] = 2 * k + 1, 2 * k + 2, k + 1
         self.rows = np.full((s.FIELDS, LANES), np.inf, precision)
         compiled(prepare_block)(
-            0, self.rows, index, 1, manifolds, np.zeros((n + 1, s.CORNERS_WIDTH), precision), aux, H, BETA, SOFT,
+            0, self.rows, index, 1, manifolds, np.zeros((n + 1, s.CORNERS_WIDTH), precision), aux, H, 4 * H, BETA, SOFT,
             BETA_STIFF, SOFT_STIFF, None,
         )  # fmt: skip
         # as they are in the axes of their pressure

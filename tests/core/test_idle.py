@@ -83,7 +83,8 @@ def test_balls_that_do_not_meet_fly_on_as_if_alone() -> None:
     manifolds = world._store.soft.meta[pairs_of(world)[:, SLOT] + 1]
     assert np.count_nonzero(manifolds[:, s.POINTS]) == 12
     np.testing.assert_array_equal(world.velocities, before[0])
-    np.testing.assert_array_equal(world.angular_velocities, before[1])
+    # where they touch they roll on each other, and friction without a load may be as much as rounding of nothing
+    np.testing.assert_allclose(world.angular_velocities, before[1], rtol=0, atol=1e-26)
 
 
 @pytest.mark.parametrize("closing", [0.07, 0.1, 0.3, 2.0])

@@ -36,7 +36,7 @@ def go(rows: Any, h: float) -> None:
 def as_points(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, rows: Any, h: float, cold: int) -> None:
     """A step of one block of points."""
     beta, soft, stiff_beta, stiff_soft = softness(h)
-    prepare_points(0, blocks, index, 1, manifolds, aux, h, beta, soft, stiff_beta, stiff_soft)
+    prepare_points(0, blocks, index, 1, manifolds, aux, h, SUBSTEPS * h, beta, soft, stiff_beta, stiff_soft)
     warm_points(0, blocks, index, 1, rows)
     for _ in range(cold):
         solve_points(0, blocks, index, 1, rows, h, 0.0, True, False)
@@ -50,7 +50,9 @@ def as_points(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, r
 def as_faces(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, rows: Any, h: float, cold: int) -> None:
     """The same of one block of faces."""
     beta, soft, stiff_beta, stiff_soft = softness(h)
-    prepare_block(0, blocks, index, 1, manifolds, corners, aux, h, beta, soft, stiff_beta, stiff_soft, None)
+    prepare_block(
+        0, blocks, index, 1, manifolds, corners, aux, h, SUBSTEPS * h, beta, soft, stiff_beta, stiff_soft, None
+    )
     warm_block(0, blocks, index, 1, rows, aux, None)
     for _ in range(cold):
         solve_block(0, blocks, index, 1, rows, aux, h, 0.0, True, False, None, None, None)

@@ -350,16 +350,16 @@ def test_the_heap_comes_to_rest_and_floor_walls_and_panes_carry_it() -> None:
 def test_the_tippe_top_turns_over_and_keeps_jelletts_number() -> None:
     frames = recorded("tippe-top").frames
     top = column("tippe-top")["top"]
-    r, e, spin = 0.02, 0.006, 200.0
+    r, e, spin = 0.02, 0.003, 126.5
     w, q = frames.angular_velocities[:, top], frames.orientations[:, top]
     axis = turned(q, np.broadcast_to((0.0, 0.0, 1.0), (len(q), 3)))
     np.testing.assert_allclose(w[0], spin * axis[0], rtol=1e-3)
     assert axis[0, 2] == pytest.approx(math.cos(math.radians(11.5)), abs=1e-6)
-    assert axis[frames.times >= 3.0, 2].max() < -0.95
+    assert axis[frames.times >= 2.0, 2].max() < -0.95
     # from the centre of mass to the contact: e axis - r z; its inertia is that of a ball
     jellett = np.sum(w * (e * axis - (0.0, 0.0, r)), axis=1)
-    np.testing.assert_allclose(jellett, jellett[0], rtol=0.03)
-    assert w[-1, 2] == pytest.approx(spin * (r * axis[0, 2] - e) / (r + e), rel=0.03)
+    np.testing.assert_allclose(jellett, jellett[0], rtol=2e-3)
+    assert w[-1, 2] == pytest.approx(spin * (r * axis[0, 2] - e) / (r + e), rel=0.005)
 
 
 def test_with_the_left_wheels_on_ice_a_car_turns_to_the_right_as_it_brakes() -> None:

@@ -73,23 +73,17 @@ def is_due(pose, a, b, due):
 def see_nothing(pose, kinds, a, b, pairs, k, gap, toward):
     """The bodies of pair k are ``gap`` apart at least, along ``toward``: it is not due until they have come so near
     that points are needed."""
-    due = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] + min(gap, FARTHEST)
-    due -= speculative_of(pose, kinds, a, b)
+    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
+    due = moved + min(gap, FARTHEST) - speculative_of(pose, kinds, a, b)
     pairs[k, DUE] = int(min(max(due, 0.0), FARTHEST_DUE) * NANO)
-    remember(pose, a, b, pairs, k, toward)
-
-
-@jit
-def remember(pose, a, b, pairs, k, toward):
-    """Keep the direction from a to b that was found for pair k."""
-    pairs[k, SEEN] = int(min(pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION], FARTHEST_DUE) * NANO)
+    pairs[k, SEEN] = int(min(moved, FARTHEST_DUE) * NANO)
     pairs[k, HINT] = pack(transpose(mat33(pose, a + 1, s.POSE_ROTATION)) @ toward)
 
 
 @jit
 def hint_of(pose, kinds, a, b, pairs, k):
-    """The direction that was found last for pair k, world; zero if there is none, or if the bodies have moved so far
-    since that it says little."""
+    """The direction from a to b along which pair k was last seen to be apart, world; zero if there is none, or if the
+    bodies have moved so far since that it says little."""
     moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - pairs[k, SEEN] / NANO
     if pairs[k, HINT] == 0 or moved > FORGOTTEN * smaller_reach(pose, kinds, a, b):
         return Vec3(0.0, 0.0, 0.0)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.ahead import DOUBLE, MANY, SINGLE, SOON, ask_for, ask_for_row, row_number
-from stiction.core.apart import hint_of, is_due, look_of, margin_of, remember, see_nothing
+from stiction.core.apart import hint_of, is_due, look_of, margin_of, see_nothing
 from stiction.core.collide.manifold import forget_face
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import way_of
 from stiction.core.jit import jit
-from stiction.core.manifolds import is_kept, refresh_manifold, take_points
+from stiction.core.manifolds import is_kept, normal_hint, refresh_manifold, take_points
 from stiction.core.pairs import DUE, PAIR_A, PAIR_B, SLOT, is_sensed
 from stiction.core.sleep import wake_island
 from stiction.core.slots import DUE_LIST, FOUND, LOST, NOTHING, WANTS
@@ -55,7 +55,10 @@ def update_manifolds(
             if row == 0 or not is_kept(a, b, pose, meta, row):
                 needed = margin_of(pose, kinds, a, b)
                 margin = needed + look_of(pose, kinds, a, b)
-                hint = hint_of(pose, kinds, a, b, pairs, k)
+                if row > 0 and meta[row, s.POINTS] > 0.0:
+                    hint = normal_hint(a, b, manifolds, meta, pose, kinds, row)
+                else:
+                    hint = hint_of(pose, kinds, a, b, pairs, k)
                 forget_face(points)
                 found, toward, nearest = pair_contacts(
                     bodies, kinds, a, b, margin, hint, contacts, tags, 0, points, boxes_meet, hulls
@@ -72,9 +75,8 @@ def update_manifolds(
                     looked[k, FOUND] = WANTS
                     continue
                 pairs[k, DUE] = 0
-                remember(pose, a, b, pairs, k, toward)
                 take_points(bodies, kinds, a, b, soft, row, contacts, tags, found, points, table, slow)
-            refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, dt)
+            refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, soft.aux, row, dt)
             looked[k, FOUND] = 1 + way_of(manifolds, row)
         piece += 1
         first, last = take_piece(team, piece, npairs)

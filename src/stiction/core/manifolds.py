@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
-from stiction.core.apart import smaller_reach
+from stiction.core.apart import FORGOTTEN, smaller_reach
 from stiction.core.faces import measure_face, order_points
 from stiction.core.jit import jit
 from stiction.core.state import (
@@ -86,6 +86,16 @@ def is_kept(a, b, pose, meta, row):
     """Whether the narrow phase would find the points that the manifold already has."""
     moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.MADE]
     return meta[row, s.POINTS] > 0.0 and moved <= meta[row, s.LIMIT]
+
+
+@jit
+def normal_hint(a, b, manifolds, meta, pose, kinds, row):
+    """The normal of a manifold, world, from where its points may be looked for again; zero if the bodies have moved so
+    far that it says little."""
+    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.MADE]
+    if moved > FORGOTTEN * smaller_reach(pose, kinds, a, b):
+        return Vec3(0.0, 0.0, 0.0)
+    return mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
 
 
 @jit
@@ -246,14 +256,20 @@ def curvature(bodies, kinds, i, found, n):
     matter which; against what is round their geometric mean is never wrong by more than the root of their ratio. It is
     the root of Gauss' curvature, h^4 / (a b c)^2 where it reaches h far along its normal n.
     """
-    shape = kinds[i, SHAPE]
-    if shape == SPHERE or shape == CAPSULE or (shape == CYLINDER and found == 2):
-        return 1.0 / bodies[i, SIZE]
-    if shape == ELLIPSOID:
+    if not is_round(kinds, i, found):
+        return 0.0
+    if kinds[i, SHAPE] == ELLIPSOID:
         s = vec3(bodies, i, SIZE)
         x, y, z = s.x * n.x, s.y * n.y, s.z * n.z
         return (x * x + y * y + z * z) / (s.x * s.y * s.z)
-    return 0.0
+    return 1.0 / bodies[i, SIZE]
+
+
+@jit
+def is_round(kinds, i, points):
+    """Whether body i rolls on a smooth side where it has so many points of contact."""
+    shape = kinds[i, SHAPE]
+    return shape == SPHERE or shape == CAPSULE or shape == ELLIPSOID or (shape == CYLINDER and points == 2)
 
 
 @jit
@@ -298,42 +314,68 @@ def belt_velocity(bodies, pose, a, b):
 
 
 @jit
-def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, row, dt):
+def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, aux, row, dt):
     """What changes from step to step: the arms to the anchor, how far b is from where it was, and belts.
 
     One or two points may roll along both bodies. Their arms are those of the middle of the step, if the points go on as
     in the last one: forces at the places of its start would make what rocks swing up, by a part omega^2 dt / 4 a second
     (with the velocity of the mean, [x, v] goes over into [x, v] with the determinant 1 + omega^2 dt^2 / 2; from the
     middle it is 1).
+
+    What is in contact at the time t of the step, though, has the velocity q (t - dt / 2) more than what is so in the
+    middle, q = w_a x r_a' - w_b x r_b'. If contact stopped what is at these arms all through the step, a body that
+    rolls on a side that is not round would come to each next place with q dt and lose that as in an impact, q . K^-1 q
+    dt / 2 of its energy a second; enough to turn a tippe top over that should go on rolling upright.
     """
     ra = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_A)
     rb = mat33(pose, b + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_B)
     up, half = load_along_normal(manifolds, meta, pose, a, row)
     # the surfaces where they will touch, and where the load is
     arm_a, arm_b = ra - half, rb + half
-    if meta[row, s.POINTS] <= 2.0:
-        moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
-        if moved != meta[row, s.PLACED]:  # a step may be begun twice
-            fresh = meta[row, s.PLACED] == UNKNOWN
-            meta[row, s.PLACED] = moved
-            # where a turntable is in the middle is told by how its velocity drifts, below
-            ahead_a, ahead_b = go_on(reports, row, s.HERE_A, arm_a, fresh), go_on(reports, row, s.HERE_B, arm_b, fresh)
-            put_vec3(manifolds, row, s.ARM_A, up + (arm_a if kinds[a, MOBILITY] == KINEMATIC else arm_a + ahead_a))
-            put_vec3(manifolds, row, s.ARM_B, up + (arm_b if kinds[b, MOBILITY] == KINEMATIC else arm_b + ahead_b))
-    else:
+    put_vec3(manifolds, row, s.SHIFT, (vec3(pose, b + 1, s.POSE_X) + rb) - (vec3(pose, a + 1, s.POSE_X) + ra))
+    if meta[row, s.POINTS] > 2.0:
         put_vec3(manifolds, row, s.ARM_A, up + arm_a)
         put_vec3(manifolds, row, s.ARM_B, up + arm_b)
-    put_vec3(manifolds, row, s.SHIFT, (vec3(pose, b + 1, s.POSE_X) + rb) - (vec3(pose, a + 1, s.POSE_X) + ra))
-    if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
-        put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
-    elif meta[row, s.POINTS] > 2.0:
-        keep_place(manifolds, meta, reports, row, mat33(pose, a + 1, s.POSE_ROTATION), dt)
+        put_drift(bodies, kinds, a, b, manifolds, row, pose, Vec3(0.0, 0.0, 0.0))
+        if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
+            put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
+        else:
+            keep_place(manifolds, meta, reports, row, mat33(pose, a + 1, s.POSE_ROTATION), dt)
+        return
+    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
+    if moved != meta[row, s.PLACED]:  # a step may be begun twice
+        fresh = meta[row, s.PLACED] == UNKNOWN
+        meta[row, s.PLACED] = moved
+        ahead_a, ahead_b = go_on(reports, row, s.HERE_A, arm_a, fresh), go_on(reports, row, s.HERE_B, arm_b, fresh)
+        # where a turntable is in the middle is told by how its velocity drifts
+        ahead_a = ahead_a * (0.0 if kinds[a, MOBILITY] == KINEMATIC else 1.0)
+        ahead_b = ahead_b * (0.0 if kinds[b, MOBILITY] == KINEMATIC else 1.0)
+        put_vec3(manifolds, row, s.ARM_A, up + arm_a + ahead_a)
+        put_vec3(manifolds, row, s.ARM_B, up + arm_b + ahead_b)
+        early = Vec3(0.0, 0.0, 0.0)
+        if is_round(kinds, a, meta[row, s.POINTS]) or is_round(kinds, b, meta[row, s.POINTS]):
+            # and its places wander from as far before the middle to as far behind it
+            early = cross(vec3(aux, b + 1, s.AUX_START_W), ahead_b) - cross(vec3(aux, a + 1, s.AUX_START_W), ahead_a)
+        put_drift(bodies, kinds, a, b, manifolds, row, pose, early * (-2.0 / dt))
+        put_vec3(manifolds, row, s.BELT, early)
+        if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
+            n = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
+            belt = belt_velocity(bodies, pose, a, b)
+            put_vec3(manifolds, row, s.BELT, early + belt - n * dot(n, belt))
+
+
+@jit
+def put_drift(bodies, kinds, a, b, manifolds, row, pose, wander):
+    """Enter how fast the velocity of what is in contact changes besides that at the arms: because its place wanders
+    over the bodies, and because turntables carry their surfaces round; world, m/s^2."""
     if kinds[a, MOBILITY] == KINEMATIC or kinds[b, MOBILITY] == KINEMATIC:
-        # a turntable carries its surface round while the arms of a step stand still
-        turning = carried_round(bodies, kinds, a, b) - carried_round(bodies, kinds, b, a)
+        wander = wander + carried_round(bodies, kinds, a, b) - carried_round(bodies, kinds, b, a)
+    if dot(wander, wander) > 0.0:
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)
         n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
-        manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(turning, u), dot(turning, cross(n, u))
+        manifolds[row, s.DRIFT_U], manifolds[row, s.DRIFT_V] = dot(wander, u), dot(wander, cross(n, u))
+    else:
+        manifolds[row, s.DRIFT_U] = manifolds[row, s.DRIFT_V] = 0.0
 
 
 @jit

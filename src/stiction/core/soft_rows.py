@@ -40,8 +40,8 @@ def _starts(*widths: int) -> list[int]:
     PULL, SPIN, TORSIONAL, ROLLING, DRIFT_U, KIND,  # friction (world, N) and torque about n at the anchor, N m
     EVEN, ARM, LOP_U, LOP_V, COUNT, FRESH,  # 3 + 3, of an even load (friction/pressure.py); how many points
     SHIFT, ARM_A, ROLL,  # of b against a since the manifold was made; anchor from a's centre of mass, m; 2, torque, N m
-    ARM_B, BELT, DRIFT_V, LEFT,  # the same from b's, both in the middle of the step; velocity of the surface of a less
-    # that of b, world, m/s; DRIFT_U, DRIFT_V: how fast it changes because bodies turn that are told to, m/s^2
+    ARM_B, BELT, DRIFT_V, LEFT,  # the same from b, both in the middle of the step; velocity of what is in contact of a
+    # against b besides that at the arms, as the step begins, world, m/s; DRIFT_U, DRIFT_V: how fast it changes, m/s^2
     MANIFOLD_WIDTH,
 ) = _starts(3, 3, 1, 1, 3, 3, 1, 1, 4, 4, 4, 4, 3, 1, 1, 1, 1, 1, 3, 1, 1, 1, 1, 1, 3, 3, 2, 3, 3, 1, 1)
 # fmt: on
@@ -97,7 +97,8 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     B_FRESH,  # NEW or QUIET for a manifold that is new in this step
     B_SCALE,  # the block's mass, kg: impulses are in units of it times m/s, so numbers are of order one at any scale
     B_MISS,  # by how much the manifold misses its laws, m/s (solve.exact)
-    B_START,  # 3, a against b at the anchor at the start of the step: closing speed, spin about u and v
+    B_START,  # 3, a against b at the place of contact at the start of the step: closing speed, spin about u and v
+    B_WANDER,  # how fast that closing speed changes because the place wanders away from the arms, m/s^2
     B_GAP,  # 4, separations at the start of the step
     B_LOAD,  # 4, normal impulses
     B_TOTAL_LOAD,  # 4, sums over the step
@@ -119,7 +120,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     # impulse a substep with which the points hold on
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 1, 1, 1, 1, 1, 3, 2, 3, 1, 1, 3, 3, 1, 1, 1, 1, 3, 4, 4, 4, 4, 4, 10, 10, 6,
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 1, 1, 1, 1, 1, 3, 2, 3, 1, 1, 3, 3, 1, 1, 1, 1, 3, 1, 4, 4, 4, 4, 4, 10, 10, 6,
     6, 9, 6, 4, 4, 2, 1, 8, 2, 1, 2, 1, 4, 1, 4,
 )  # fmt: skip
 
@@ -133,12 +134,12 @@ ROW_V, ROW_W, ROW_D, ROW_TURN, ROW_WIDTH = 0, 4, 8, 12, 16
 """Columns of a body's row: by how much velocity and spin differ from those at the start of the step, and displacement
 and rotation vector from what these would have made."""
 
-AUX_OLD_V, AUX_OLD_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WORK = 0, 4, 8, 17, 18, 24
-AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_START_V, AUX_START_W, AUX_WIDTH = 25, 28, 29, 30, 32, 36, 40
-"""Columns beside it: what the row had as velocities at the start of the substep; rotation matrix (9), inverse mass, and
-the upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this
-step, J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``); velocities at
-the start of the step."""
+AUX_START_V, AUX_START_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WORK = 0, 4, 8, 17, 18, 24
+AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_OLD_V, AUX_OLD_W, AUX_WIDTH = 25, 28, 29, 30, 32, 36, 48
+"""Columns beside it, three cache lines: velocities at the start of the step; rotation matrix (9), inverse mass, and the
+upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this step,
+J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``); what the row had as
+velocities at the start of the substep."""
 
 POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_BELT, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
 """Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far

@@ -95,6 +95,16 @@ def ellipsoid_point(s, m):
     return Vec3(s.x * (x * f), s.y * (y * f), s.z * (z * f))
 
 
+@jit
+def curved_point(s, m, is_round):
+    """The same of a cylinder or an ellipsoid."""
+    if not is_round:
+        return ellipsoid_point(s, m)
+    across = math.sqrt(m.x * m.x + m.y * m.y)
+    f = s.x / across if across > 0.0 else 0.0
+    return Vec3(m.x * f, m.y * f, math.copysign(s.z, m.z))
+
+
 @inlined
 def vertex(X, hulls, i):
     """Vertex of row i, where the shape is."""
@@ -118,14 +128,10 @@ def reach_point(X, hulls, m):
     The cube, the segment and the point are the corners (+-1, +-1, +-1) of the scale.
     """
     s = X.scale
-    if X.round:
-        across = math.sqrt(m.x * m.x + m.y * m.y)
-        f = s.x / across if across > 0.0 else 0.0
-        return Vec3(m.x * f, m.y * f, math.copysign(s.z, m.z))
+    if X.hull == NOTHING:
+        return curved_point(s, m, X.round)
     if X.hull <= POINT:
         return Vec3(s.x if m.x > 0.0 else -s.x, s.y if m.y > 0.0 else -s.y, s.z if m.z > 0.0 else -s.z)
-    if X.hull == NOTHING:
-        return ellipsoid_point(s, m)
     x, y, z = m.x * s.x, m.y * s.y, m.z * s.z
     v = hulls.vertices
     first = hulls.spans[X.hull, 0]

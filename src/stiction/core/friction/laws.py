@@ -281,10 +281,10 @@ def scaled_force(blocks, o, f, laws):
 
 
 @jit
-def follow_slip(i, blocks, index, count, rows, aux, laws):
+def follow_slip(i, blocks, index, count, rows, aux, now, laws):
     """Coefficients of block i for the next substep, from the slip that this one has left.
 
-    ``rows`` has in its first columns how the velocities of the bodies differ from those of the start of the step.
+    ``now``: 1, or 0 where the velocities are still those of the start of the step, whatever the rows say.
     """
     kinds, table, _ = laws
     o = i * s.FIELDS
@@ -306,17 +306,18 @@ def follow_slip(i, blocks, index, count, rows, aux, laws):
         if law < BRUSH:
             blocks[o + s.B_MU_D, lane] = coefficient(table, ma, mb, speed)
         else:
-            wheel = max(wheel_speed(i, blocks, o, lane, index, count, rows, aux, kinds), SLOW_WHEEL)
+            wheel = max(wheel_speed(i, blocks, o, lane, index, count, rows, aux, now, kinds), SLOW_WHEEL)
             _, slope = tyre_coefficient(table, ma, mb, speed / wheel)
             blocks[o + s.B_ALPHA, lane] = min(wheel / max(slope, TINY), MOST_ALPHA)
 
 
 @jit
-def wheel_speed(i, blocks, o, lane, index, count, rows, aux, kinds):
+def wheel_speed(i, blocks, o, lane, index, count, rows, aux, now, kinds):
     """How fast the centre of a wheel goes over the road, m/s: its slip, less what its spin has in that. The wheel is
     the body that is free to move; of two such, the one that spins faster."""
     a, b = index[i, lane], index[i + count, lane]
-    va, wa, vb, wb = vec3(rows, a, s.ROW_V), vec3(rows, a, s.ROW_W), vec3(rows, b, s.ROW_V), vec3(rows, b, s.ROW_W)
+    va, wa = vec3(rows, a, s.ROW_V) * now, vec3(rows, a, s.ROW_W) * now
+    vb, wb = vec3(rows, b, s.ROW_V) * now, vec3(rows, b, s.ROW_W) * now
     wa0, wb0 = vec3(aux, a, s.AUX_START_W), vec3(aux, b, s.AUX_START_W)
     n, u = _vector(blocks, o + s.B_NORMAL, lane), _vector(blocks, o + s.B_TANGENT, lane)
     v = cross(n, u)

@@ -167,14 +167,16 @@ def start_twist(blocks, o, index, i, count, aux, C):
 
 
 @jit
-def twist_now(i, blocks, o, index, count, rows, C):
-    """The twist that normals meet, velocity of closing and spins about u and v, is that of now; of the slip there is
-    only what has changed since the start of the step, for the rest is in B_BELT. Also the velocities in the rows."""
+def twist_now(i, blocks, o, index, count, rows, C, t):
+    """The twist that normals meet, velocity of closing and spins about u and v, is that at the time t of the step; of
+    the slip there is only what has changed since its start, for the rest is in B_BELT. Also the velocities in the
+    rows."""
     va, wa = vectors_of(rows, index, i, s.ROW_V)
     vb, wb = vectors_of(rows, index, i + count, s.ROW_V)
     v, w = twist_of(blocks, o, C, va, wa, vb, wb)
     start = get3(blocks, o + s.B_START)
-    return Vec3(v.x + start.x, v.y, v.z), Vec3(w.x, w.y + start.y, w.z + start.z), va, wa, vb, wb
+    closing = start.x + load(blocks, o + s.B_WANDER) * t
+    return Vec3(v.x + closing, v.y, v.z), Vec3(w.x, w.y + start.y, w.z + start.z), va, wa, vb, wb
 
 
 @jit
@@ -214,7 +216,7 @@ def soften(A, gamma):
 
 
 @jit
-def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, soft, beta_stiff, soft_stiff, laws):
+def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, dt, beta, soft, beta_stiff, soft_stiff, laws):
     """Fill block i. ``index`` rows i, i + count, i + 2 count name the bodies a, b and the manifolds of its lanes.
 
     ``beta`` (1/s) and ``soft`` (compliance, a part of the point's own 1/m) of a contact between two bodies that can
@@ -400,7 +402,9 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, beta, sof
     store(blocks, o + s.B_LEFT, gy[7])
     belt = Vec3(gy[3], gy[4], gy[5])
     v0, w0 = start_twist(blocks, o, index, i, count, aux, C)
-    put3(blocks, o + s.B_START, Vec3(v0.x, w0.y, w0.z))
+    early = select(points < 2.5, dot(belt, n), zero)
+    put3(blocks, o + s.B_START, Vec3(v0.x + early, w0.y, w0.z))
+    store(blocks, o + s.B_WANDER, early * (-2.0 / dt))
     put3(
         blocks, o + s.B_BELT, Vec3(dot(belt, u) + v0.y - w0.x * py, dot(belt, v) + v0.z + w0.x * px, w0.x * Tm)
     )  # fmt: skip

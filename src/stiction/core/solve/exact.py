@@ -145,11 +145,13 @@ def measure_miss_again(blocks, index, count, manifolds, corners, rows, aux, h, s
     beta, compliance, beta_stiff, compliance_stiff = softness(h)
     for i in range(count):
         if is_point_block(index, i, count):
-            prepare_points(i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff)
+            prepare_points(
+                i, blocks, index, count, manifolds, aux, h, h * substeps, beta, compliance, beta_stiff, compliance_stiff
+            )
         else:
             prepare_block(
-                i, blocks, index, count, manifolds, corners, aux, h, beta, compliance, beta_stiff, compliance_stiff,
-                None,
+                i, blocks, index, count, manifolds, corners, aux, h, h * substeps, beta, compliance, beta_stiff,
+                compliance_stiff, None,
             )  # fmt: skip
         put3(blocks, i * s.FIELDS + s.B_BELT, belt_now(blocks, i * s.FIELDS, h * substeps))
     return miss_of_all(blocks, index, count, rows, h, h * substeps, None, True)
@@ -165,7 +167,7 @@ def miss_of_block(i, blocks, index, count, rows, h, t, laws, moved):
     """
     o = i * s.FIELDS
     C = transpose(frame_of(blocks, o))
-    v, w, _, _, _, _ = twist_now(i, blocks, o, index, count, rows, C)
+    v, w, _, _, _, _ = twist_now(i, blocks, o, index, count, rows, C, t if moved else t + h)
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
     gap = gaps_now(i, blocks, o, index, count, rows, C, x, y, t)
     closing = Four(

@@ -48,15 +48,14 @@ def run_passes(
     for i in range(first, last):
         ask_for_bodies(index, i + 1, count, aux, s.AUX_ROTATION, many)
         ask_for_bodies(index, i + 1, count, aux, s.AUX_INERTIA, many)
-        ask_for_bodies(index, i + 1, count, aux, s.AUX_START_V, many)
         ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH, many)
         if laws is None and exact is None and is_point_block(index, i, count):
             prepare_points(
-                i, blocks, index, count, manifolds, aux, h, beta, compliance, beta_stiff, compliance_stiff
+                i, blocks, index, count, manifolds, aux, h, h * substeps, beta, compliance, beta_stiff, compliance_stiff
             )  # fmt: skip
         else:
             prepare_block(
-                i, blocks, index, count, manifolds, soft.corners, aux, h, beta, compliance, beta_stiff,
+                i, blocks, index, count, manifolds, soft.corners, aux, h, h * substeps, beta, compliance, beta_stiff,
                 compliance_stiff, laws,
             )  # fmt: skip
     meet(team)

@@ -49,7 +49,7 @@ from stiction.core.vec import Vec3, columns, cross, dot, transpose
 
 
 @jit
-def prepare_points(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_stiff, soft_stiff):
+def prepare_points(i, blocks, index, count, manifolds, aux, h, dt, beta, soft, beta_stiff, soft_stiff):
     """Fill block i, as :func:`stiction.core.solve.blocks.prepare_block` does for faces."""
     o = i * s.FIELDS
     rows = i + 2 * count
@@ -106,7 +106,9 @@ def prepare_points(i, blocks, index, count, manifolds, aux, h, beta, soft, beta_
     put3(blocks, o + s.B_PULL, Vec3(dot(pull, u), dot(pull, v), zero))
     belt = Vec3(gy[3], gy[4], gy[5])
     v0, _ = start_twist(blocks, o, index, i, count, aux, C)
-    put3(blocks, o + s.B_START, Vec3(v0.x, zero, zero))
+    early = dot(belt, n)
+    put3(blocks, o + s.B_START, Vec3(v0.x + early, zero, zero))
+    store(blocks, o + s.B_WANDER, early * (-2.0 / dt))
     put3(blocks, o + s.B_BELT, Vec3(dot(belt, u) + v0.y, dot(belt, v) + v0.z, zero))
     store(blocks, o + s.B_DRIFT, gf[6])
     store(blocks, o + s.B_DRIFT + 1, gy[6])
@@ -122,7 +124,8 @@ def gap_now(i, blocks, o, index, count, rows, C, t):
     da, ta = vectors_of(rows, index, i, s.ROW_D)
     db, tb = vectors_of(rows, index, i + count, s.ROW_D)
     d, _ = twist_of(blocks, o, C, da, ta, db, tb)
-    return load(blocks, o + s.B_GAP) - (d.x + load(blocks, o + s.B_START) * t)
+    closing = load(blocks, o + s.B_START) + load(blocks, o + s.B_WANDER) * (0.5 * t)
+    return load(blocks, o + s.B_GAP) - (d.x + closing * t)
 
 
 @jit
@@ -130,7 +133,7 @@ def warm_points(i, blocks, index, count, rows):
     """Apply the impulses that the points of block i bring along from the step before."""
     o = i * s.FIELDS
     B = frame_of(blocks, o)
-    v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, transpose(B))
+    v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, transpose(B), 0.0)
     pull, belt = get3(blocks, o + s.B_PULL), get3(blocks, o + s.B_BELT)
     zero = v.x - v.x
     put3(blocks, o + s.B_SLIP, Vec3(v.y + belt.x, v.z + belt.y, zero))
@@ -144,7 +147,7 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
     o = i * s.FIELDS
     B = frame_of(blocks, o)
     C = transpose(B)
-    v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C)
+    v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C, t + h)
     gap = gap_now(i, blocks, o, index, count, rows, C, t)
     aim = allowed(gap, load(blocks, o + s.B_BETA), h)
     near = gap < NEAR
@@ -282,7 +285,7 @@ def miss_of_points(i, blocks, index, count, rows, h, t):
     :func:`stiction.core.solve.exact.miss_of_block`."""
     o = i * s.FIELDS
     C = transpose(frame_of(blocks, o))
-    v, _, _, _, _, _ = twist_now(i, blocks, o, index, count, rows, C)
+    v, _, _, _, _, _ = twist_now(i, blocks, o, index, count, rows, C, t)
     gap = gap_now(i, blocks, o, index, count, rows, C, t) + v.x * h
     lam, pull, belt = load(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL), get3(blocks, o + s.B_BELT)
     zero = lam - lam

@@ -143,10 +143,10 @@ def warm_block(i, blocks, index, count, rows, aux, laws):
     C = transpose(B)
     if laws is not None:
         # the slip that the step before has left: that of now has what forces give in a substep, and no friction yet
-        v, w, _, _, _, _ = twist_now(i, blocks, o, index, count, aux, C)
-        keep_slip(blocks, o, v, w, px, py, laws)
-        follow_slip(i, blocks, index, count, aux, aux, laws)
-    v, w, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C)
+        still = Vec3(px - px, px - px, px - px)
+        keep_slip(blocks, o, still, still, px, py, laws)
+        follow_slip(i, blocks, index, count, rows, aux, 0.0, laws)
+    v, w, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C, 0.0)
     keep_slip(blocks, o, v, w, px, py, laws)
     if laws is not None:
         pull = real_force(blocks, o, pull, laws)
@@ -173,8 +173,10 @@ def gaps_now(i, blocks, o, index, count, rows, C, x, y, t):
     da, ta = vectors_of(rows, index, i, s.ROW_D)
     db, tb = vectors_of(rows, index, i + count, s.ROW_D)
     d, turned = twist_of(blocks, o, C, da, ta, db, tb)
-    start = get3(blocks, o + s.B_START) * t
-    d, turned = Vec3(d.x + start.x, d.y, d.z), Vec3(turned.x, turned.y + start.y, turned.z + start.z)
+    start = get3(blocks, o + s.B_START)
+    closing = start.x + load(blocks, o + s.B_WANDER) * (0.5 * t)
+    d = Vec3(d.x + closing * t, d.y, d.z)
+    turned = Vec3(turned.x, turned.y + start.y * t, turned.z + start.z * t)
     gap = get4(blocks, o + s.B_GAP)
     return Four(
         gap.a - (d.x + y.a * turned.y - x.a * turned.z), gap.b - (d.x + y.b * turned.y - x.b * turned.z),
@@ -201,7 +203,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
     o = i * s.FIELDS
     B = frame_of(blocks, o)
     C = transpose(B)
-    v, w, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C)
+    v, w, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C, t + h)
 
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
     gap = gaps_now(i, blocks, o, index, count, rows, C, x, y, t)
@@ -391,7 +393,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
             keep_sums(blocks, o, lam, pull, slip, slides)
         else:
             keep_sums(blocks, o, less4(lam, get4(blocks, o + s.B_ATTRACT)), pull, slip, slides | yields)
-            follow_slip(i, blocks, index, count, rows, aux, laws)
+            follow_slip(i, blocks, index, count, rows, aux, 1.0, laws)
 
     da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
     df = real_force(blocks, o, pull - pull0, laws)
