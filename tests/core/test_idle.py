@@ -82,8 +82,8 @@ def test_balls_that_do_not_meet_fly_on_as_if_alone() -> None:
     world.step(3)
     manifolds = world._store.soft.meta[pairs_of(world)[:, SLOT] + 1]
     assert np.count_nonzero(manifolds[:, s.POINTS]) == 12
-    np.testing.assert_array_equal(world.velocities, before[0])
-    # where they touch they roll on each other, and friction without a load may be as much as rounding of nothing
+    # they roll on each other where they are near, and friction without a load may be as much as the rounding of nothing
+    np.testing.assert_allclose(world.velocities, before[0], rtol=0, atol=1e-26)
     np.testing.assert_allclose(world.angular_velocities, before[1], rtol=0, atol=1e-26)
 
 

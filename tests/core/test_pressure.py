@@ -27,11 +27,10 @@ def test_a_load_anywhere(name: str, rng: np.random.Generator) -> None:
     kept = Element(polygon).kept if name != "disc" else regular(4)
     centers = [middle + 0.96 * (rng.dirichlet(np.full(len(kept), 0.6)) @ kept - middle) for _ in range(8)]
     rms, largest, torque = errors(polygon, np.array(centers), name == "disc")
-    irregular = name.startswith("quad")
-    assert rms.mean() < 0.03
-    assert rms.max() < (0.055 if irregular else 0.036)  # one load in a thousand of a slender face has 0.032
-    assert largest.max() < (0.15 if irregular else 0.105)
-    assert np.abs(torque - 1.0).max() < (0.14 if irregular else 0.075)
+    assert rms.mean() < 0.025
+    assert rms.max() < 0.03
+    assert largest.max() < 0.1
+    assert np.abs(torque - 1.0).max() < 0.045
 
 
 def test_there_is_no_leap_when_a_corner_of_a_face_leaves() -> None:

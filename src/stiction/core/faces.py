@@ -21,6 +21,7 @@ from stiction.core.friction.pressure import (
     polar_of_eight,
     polar_of_ellipse,
     pressed,
+    spread_of,
 )
 from stiction.core.jit import jit
 from stiction.core.solve.normals import Four
@@ -217,7 +218,8 @@ def _keep_even(manifolds, apart, row, known, gu, gv, arm):
         if abs(euu) + abs(evv) > known.uu + known.vv:  # nearly two corners in one place: the formula alone is better
             euu = euv = evv = 0.0
     manifolds[row, s.EVEN], manifolds[row, s.EVEN + 1], manifolds[row, s.EVEN + 2] = euu, euv, evv
-    found = pressed(seen, Even(euu, euv, evv, 0.0, known.u, known.v), is_round).torque
+    even = Even(euu, euv, evv, 0.0, known.u, known.v)
+    found = pressed(seen, even, is_round, spread_of(seen, even, is_round)).torque
     manifolds[row, s.ARM] = (arm / found - 1.0) * k / calm
 
 

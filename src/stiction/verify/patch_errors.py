@@ -13,8 +13,10 @@ import numpy as np
 from stiction.core import soft_rows as s
 from stiction.core.collide.manifold import ROUND, forget_face, reduce
 from stiction.core.faces import measure_face, order_points, seen_from
+from stiction.core.friction.lifting import Corners, with_lifting
 from stiction.core.friction.patch import Surface, terms
-from stiction.core.friction.pressure import Even, pressed
+from stiction.core.friction.pressure import Even, pressed, spread_of
+from stiction.core.solve.normals import Four
 from stiction.core.state import CONTACT_WIDTH, FEATURE, POINT, SCRATCH, TAGS_WIDTH
 from stiction.core.vec import Vec3
 from stiction.verify.limit_surface import (
@@ -70,9 +72,18 @@ class Element:
         """With the centre of pressure there."""
         px, py = (float(x) for x in self.axes.T @ (center - self.middle))
         even = Even(*(float(x) for x in self.row[0, s.EVEN : s.EVEN + 6]))
-        patch = pressed(seen_from(self.row, self.corners, 0, even, px, py), even, self.row[0, s.KIND] == s.ELLIPSE)
+        is_round, many = self.row[0, s.KIND] == s.ELLIPSE, self.row[0, s.KIND] == s.EIGHT
+        x, y = (Four(*(float(x) for x in self.row[0, k : k + 4])) for k in (s.PLACE_U, s.PLACE_V))
+        seen = seen_from(self.row, self.corners, 0, even, px, py)
+        spread = spread_of(seen, even, is_round)
+        spread = with_lifting(spread, seen, even, x, y, self._eight(), px, py, many, is_round)
+        patch = pressed(seen, even, is_round, spread)
         c, sine = patch.turn
         return Patch(patch.torque, patch.surface, self.axes @ np.array([[c, -sine], [sine, c]]))
+
+    def _eight(self) -> Corners:
+        u, v = (self.corners[0, k : k + 8].astype(float) for k in (s.CORNER_U, s.CORNER_V))
+        return Corners(Four(*u[:4]), Four(*v[:4]), Four(*u[4:]), Four(*v[4:]))
 
 
 def dissipation_error(patch: Patch, wrenches: Array) -> Array:

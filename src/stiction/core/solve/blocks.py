@@ -15,6 +15,7 @@ from __future__ import annotations
 from stiction.core import soft_rows as s
 from stiction.core.contact_space import inverse_mass_matrix, skew
 from stiction.core.friction.laws import hold_on, keep_scaled, prepare_laws, scaled_force, scaling_at, stretch, stretched
+from stiction.core.friction.lifting import Corners, with_lifting
 from stiction.core.friction.patch import Surface, Sym3, inverse_sym
 from stiction.core.friction.pressure import (
     CAP_A,
@@ -25,6 +26,7 @@ from stiction.core.friction.pressure import (
     polar_of_eight,
     polar_of_ellipse,
     pressed,
+    spread_of,
 )
 from stiction.core.jit import jit
 from stiction.core.lanes import any_of, gather, greatest, least, load, select, splat, sqrt, store
@@ -265,16 +267,20 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, dt, beta,
     seen = polar_of(fu, fv, pu, pv)
     if any_of(is_round):
         seen = choose_polar(is_round, polar_of_ellipse(even, pu, pv), seen)
+    # of a face with more than four corners the first four, and the others
+    eu, ev, gu, gv = fu, fv, fu, fv
     if any_of(many):
         k, m = gather(corners, index, rows, s.CORNER_U), gather(corners, index, rows, s.CORNER_V)
-        fu, fv = Four(k[0], k[1], k[2], k[3]), Four(m[0], m[1], m[2], m[3])
+        eu, ev = Four(k[0], k[1], k[2], k[3]), Four(m[0], m[1], m[2], m[3])
         gu, gv = Four(k[4], k[5], k[6], k[7]), Four(m[4], m[5], m[6], m[7])
         if laws is not None:
-            fu, fv = stretched(blocks, o, fu, fv)
+            eu, ev = stretched(blocks, o, eu, ev)
             gu, gv = stretched(blocks, o, gu, gv)
-        seen = choose_polar(many, polar_of_eight(fu, fv, gu, gv, pu, pv), seen)
-    patch = pressed(seen, even, is_round)
+        seen = choose_polar(many, polar_of_eight(eu, ev, gu, gv, pu, pv), seen)
     size2 = x.a * x.a + x.b * x.b + x.c * x.c + x.d * x.d + y.a * y.a + y.b * y.b + y.c * y.c + y.d * y.d
+    spread = spread_of(seen, even, is_round)
+    spread = with_lifting(spread, seen, even, fu, fv, Corners(eu, ev, gu, gv), pu, pv, many, is_round)
+    patch = pressed(seen, even, is_round, spread)
     is_face = patch.torque * patch.torque > POINT_TORQUE * POINT_TORQUE * size2
     torsional = gf[4] / greatest(ga[7], 1e-6)
     # no mean arm is longer than the root of the sum of the squares of all
