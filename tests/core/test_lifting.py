@@ -17,7 +17,6 @@ from stiction.verify.patch_errors import Element, quadrilaterals
 from .support import Array
 
 FLAT = Turn(1.0, 0.0)
-NOTHING = Spread(1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0)
 
 
 def four(polygon: Array) -> tuple[Four, Four]:
@@ -29,7 +28,7 @@ def over_the_part(polygon: Array, center: Array, slope: Array) -> Spread:
     """After one step from the line 1 + slope . (x - center) = 0."""
     line = Line(slope[0], slope[1], 0.0, 1.0) if slope[0] > 0.0 else Line(slope[0], slope[1], 0.0, -1.0)
     part = part_of(line, FLAT, *four(polygon), *center)
-    return spread_over(part, line, NOTHING, 1.0)
+    return spread_over(part, line)
 
 
 @pytest.mark.parametrize("polygon", quadrilaterals(12))
@@ -43,7 +42,7 @@ def test_the_right_line_stays(polygon: Array, rng: np.random.Generator) -> None:
         wanted = pressure_moments(face, center)
         scale = np.trace(wanted)
         np.testing.assert_allclose(
-            [found.uu, found.uv, found.vv], wanted[[0, 0, 1], [0, 1, 1]], rtol=1e-7, atol=1e-9 * scale
+            [found.uu, found.uv, found.vv], wanted[[0, 0, 1], [0, 1, 1]], rtol=1e-6, atol=1e-7 * scale
         )
         assert found.det == pytest.approx(np.linalg.det(wanted), rel=1e-6)
         np.testing.assert_allclose([found.gu, found.gv], slope, rtol=0, atol=1e-6 * np.abs(slope).max())
@@ -80,7 +79,7 @@ def test_the_guess_is_near_enough(polygon: Array, rng: np.random.Generator) -> N
         if place_in(seen)[0] < 0.1:
             continue
         line = line_of(seen, even, spread_of(seen, even, False))
-        found = spread_over(part_of(line, seen.turn, x, y, px, py), line, NOTHING, 1.0)
+        found = spread_over(part_of(line, seen.turn, x, y, px, py), line)
         wanted = pressure_moments(face_without_tension(polygon, center), center)
         assert np.sqrt((found.uu + found.vv) / np.trace(wanted)) == pytest.approx(1.0, abs=0.04)
 
@@ -133,3 +132,15 @@ def test_where_the_formula_is_good_it_stays(polygon: Array, center: Array, lifts
     """In a parallelogram everywhere but near its corners."""
     _, share = at_once(polygon[None], np.array([center]), np.float64)
     assert (share[0] > 0.0) == lifts
+
+
+def test_a_sliver_that_is_loaded_at_its_tip_keeps_the_formula() -> None:
+    """In single precision nothing is left of its M: 0.6 m long, 0.04 mm wide."""
+    x = Four(*(np.float32(c) for c in (-0.45, 0.15, 0.15, 0.15)))
+    y = Four(*(np.float32(c) for c in (1.7e-13, -3.4498e-5, 5.798e-6, 2.87e-5)))
+    even = Even(*(np.float32(0.0) for _ in range(6)))
+    seen = polar_of(x, y, x.a, y.a)
+    formula = spread_of(seen, even, False)
+    spread = with_lifting(formula, seen, even, x, y, Corners(x, y, x, y), x.a, y.a, False, False)
+    assert spread == formula
+    assert 0.0 < pressed(seen, even, False, spread).torque < 0.1

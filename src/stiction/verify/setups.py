@@ -70,11 +70,11 @@ def substep(solver: str, dt: float) -> float:
 
 
 def rounding(solver: str, speed: float, seconds: float, dt: float) -> float:
-    """u v t / h: what single precision adds up to in a speed of at most ``speed``, m/s; u = 2^-24.
+    """u v t / h: no less than what single precision adds up to in a speed of at most ``speed``, m/s; u = 2^-24.
 
-    ``soft`` has velocities in single precision. In each substep a velocity gains an increment, and what is stored is
-    the sum, rounded by u v at most. This is no random walk: the next substep starts from v' + (v' - v), so a rounded
-    increment is repeated, and velocity and increment of a steady motion stay on the same grid for many steps.
+    It is what a velocity would be off that is rounded in each substep, the same way every time, as the next substep
+    starts from v' + (v' - v). ``soft`` counts velocities from the start of the step and adds only what has changed to
+    what bodies keep in double, so it is off by far less; an impact changes them by as much as there is.
     """
     return 2.0**-24 * speed * max(seconds, dt) / substep(solver, dt) if solver == "soft" else 0.0
 

@@ -35,6 +35,8 @@ their areas over the square of its own, it is no parallelogram at all."""
 NEAREST = 4e-4
 """1 / |m| over the size of the face: nearer to its border the formula is as good in single precision."""
 
+UNSOUND = 2.0
+"""The formula's tr M is never off by such a factor: what is found must be."""
 PARALLEL = 1e-9
 """A side whose ends differ by less in the pressure on them is along the line."""
 
@@ -89,7 +91,7 @@ def with_lifting(spread, seen, even, x, y, eight, px, py, many, is_round):
             part = part_of(line, seen.turn, x, y, px, py)
             if any_of(many):
                 part = choose_part(many, part_of_eight(line, seen.turn, eight, px, py), part)
-            spread = spread_over(part, line, spread, share)
+            spread = blended(spread_over(part, line), spread, share)
     return spread
 
 
@@ -205,8 +207,8 @@ def choose_part(mask, p, q):
 
 
 @jit
-def spread_over(part, line, spread, share):
-    """The spread of the pressure on a part of a face in place of the formula's, by a share."""
+def spread_over(part, line):
+    """The spread of the pressure on a part of a face."""
     over = 1.0 / greatest(part.one, TINY)
     two, three = over * (1.0 / 6.0), over * 0.1
     ca, cb = part.a * over * (1.0 / 3.0), part.b * over * (1.0 / 3.0)
@@ -232,12 +234,22 @@ def spread_over(part, line, spread, share):
     uv = ua * va * aa + (ua * vb + ub * va) * ab + ub * vb * bb
     vv = va * va * aa + 2.0 * va * vb * ab + vb * vb * bb
     gu, gv = line.su * ga + line.eu * gb, line.sv * ga + line.ev * gb
-    rest = 1.0 - share
-    uu, uv, vv = share * uu + rest * spread.uu, share * uv + rest * spread.uv, share * vv + rest * spread.vv
-    some = share > 0.0
+    one = uu - uu + 1.0
+    return Spread(uu, uv, vv, greatest(uu * vv - uv * uv, THINNEST * (uu + vv) * (uu + vv)), gu, gv, one)
+
+
+@jit
+def blended(found, spread, share):
+    """What was ``found`` in place of what the formula says, by a share."""
+    # of a sliver that is loaded at its tip single precision leaves no M at all
+    seen, formula = found.uu + found.vv, spread.uu + spread.vv
+    sound = (found.uu > 0.0) & (found.vv > 0.0) & (seen > formula * (1.0 / UNSOUND)) & (seen < formula * UNSOUND)
+    some, rest = sound & (share > 0.0), 1.0 - share
+    uu, uv = share * found.uu + rest * spread.uu, share * found.uv + rest * spread.uv
+    vv = share * found.vv + rest * spread.vv
     trace = uu + vv
     return Spread(
         select(some, uu, spread.uu), select(some, uv, spread.uv), select(some, vv, spread.vv),
         select(some, greatest(uu * vv - uv * uv, THINNEST * trace * trace), spread.det),
-        select(some, gu, spread.gu), select(some, gv, spread.gv), select(some, share, spread.share),
+        select(some, found.gu, spread.gu), select(some, found.gv, spread.gv), select(some, share, spread.share),
     )  # fmt: skip

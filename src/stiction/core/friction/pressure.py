@@ -314,7 +314,7 @@ def pressed(seen, even, is_round, spread):
     gu = (uu * spread.gu + uv * spread.gv) * pc + (uv * spread.gu + vv * spread.gv) * ps
     gv = spread.gv * pc - spread.gu * ps
     lifted = lifted_arm(q, gu * gu / greatest(Mu, TINY), Mv * gv * gv) + 0.635 * calm * even.arm
-    arm = arm + spread.share * (lifted - arm)
+    arm = select(spread.share > 0.0, arm + spread.share * (lifted - arm), arm)
     torque = kappa * sqrt(Mu + Mv) * greatest(least(arm, 1.3), 0.7)
 
     # how lopsided the pressure is: where its centre lies in the face, and that of an even load
