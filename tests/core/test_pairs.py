@@ -101,13 +101,13 @@ class Scene:
         return {(int(a), int(b)): int(slot) for a, b, slot in rows[:, : p.DUE] if slot != NONE}
 
     def give_slots(self, rng: np.random.Generator, share: float = 0.3) -> None:
-        """To some of the pairs that have none; and take some back."""
-        for k in range(len(self.pairs)):
-            if rng.random() < share:
-                if self.cache.pairs[k, p.SLOT] == NONE:
-                    compiled(give_slot)(self.cache, k)
-                else:
-                    compiled(drop_slot)(self.cache, k)
+        """To some of the pairs that have none, after some have been taken back."""
+        chosen = np.flatnonzero(rng.random(len(self.pairs)) < share)
+        has = self.cache.pairs[chosen, p.SLOT] != NONE
+        for k in chosen[has].tolist():
+            compiled(drop_slot)(self.cache, k)
+        for k in chosen[~has].tolist():
+            compiled(give_slot)(self.cache, k)
 
 
 def couples(array: Any, count: int) -> list[tuple[int, int]]:

@@ -121,14 +121,14 @@ class Rattleback(Case):
     )
     tolerance = (
         "dt + int E dt / (I3 n^2 / 2) (time), n' dt + E / (I3 n) (spin n), n' dt + (E + A) / (I3 n) (the right way); "
-        "E = dt int q . W^-1 q dt / 2, A = dt int |F . q| dt / 2, q = w x p'"
+        "E = dt int q . W^-1 q dt / 4, A = dt int |F . q| dt / 2, q = w x p'"
     )
     tolerance_reason = (
         "were the contact held at one place of the body during a step, the body would come to where it goes to next "
         "with the speed q dt and lose that as in an impact, q . W^-1 q dt^2 / 2 of its energy (W: of the contact, "
-        "1/kg); how the place wanders is taken from the step before, which leaves less of that; a spin is up to a step "
-        "old; and the right way it rattles, too, but so slowly that it counts how well the arm of the load F, p' dt "
-        "long in a step, is that of its middle: no worse than that of its start"
+        "1/kg); how the place wanders is taken from the step before, which is to leave less than half of that, a "
+        "target; a spin is up to a step old; and the right way it rattles, too, but so slowly that it counts how well "
+        "the arm of the load F, p' dt long in a step, is that of its middle: no worse than that of its start"
     )
     solvers = ("soft", "exact")
     HALF_EXTENTS: ClassVar = (20.0, 10.0, 10.0)
@@ -149,7 +149,7 @@ class Rattleback(Case):
             motion = self._reference(spin)
             spins = self._spins(solver, dt, spin)
             held = float(np.abs(np.gradient(motion.spin, motion.times)).max()) * dt
-            energy, own = motion.impacts * dt, self.MOMENTS[2]
+            energy, own = 0.5 * motion.impacts * dt, self.MOMENTS[2]
             if spin < 0.0:
                 energy = energy + motion.lag * dt
             if spin > 0.0:
