@@ -24,6 +24,7 @@ from stiction.core import (
     touching,
 )
 from stiction.core.clock import STAGES
+from stiction.core.memory import refilled
 from stiction.core.pairs import PAIR_A, PAIR_B, PAIRS, SLOT, make_pair_cache, resize_pair_cache
 from stiction.core.soft_report import report_contacts
 from stiction.core.solve import exact
@@ -131,7 +132,7 @@ class SoftStore(Store):
             elif reason == soft_step.MORE_SLOTS:
                 self._resize(len(self.bodies), len(self.cache.pairs), _room_for(number))
             elif reason == soft_step.MORE_BLOCKS:
-                self._grow_blocks(_room_for(number))
+                self._resize_blocks(_room_for(number))
             elif reason == soft_step.MORE_CONTACTS:
                 self._grow_contacts(_room_for(number))
             elif reason == soft_step.BLOWN_UP:
@@ -380,7 +381,7 @@ class SoftStore(Store):
     def _grow_contacts(self, room: int) -> None:
         self.contacts, self.tags = state.make_contacts(room)
 
-    def _grow_blocks(self, room: int) -> None:
+    def _resize_blocks(self, room: int) -> None:
         made = soft_rows.make_soft(0, 0, self.dtype, blocks=room)
         self.soft = self.soft._replace(blocks=made.blocks, members=made.members)
 
@@ -392,7 +393,7 @@ class SoftStore(Store):
             self._gather_slots()
             self._resize(len(self.bodies), _least_room_for(pairs), _least_room_for(slots))
         if _is_wasted(len(self.soft.blocks) // soft_rows.FIELDS, blocks):
-            self._grow_blocks(_least_room_for(blocks))
+            self._resize_blocks(_least_room_for(blocks))
 
     def _gather_slots(self) -> None:
         """Number the slots anew, in the order of their pairs."""
@@ -409,10 +410,10 @@ class SoftStore(Store):
         """The same state with other room."""
         self.tree = grow_tree(self.tree, bodies)
         self.cache = resize_pair_cache(self.cache, bodies, pairs, slots)
-        # blocks are filled anew in each step
-        blocks = {"blocks": self.soft.blocks, "members": self.soft.members}
-        self.soft = _resized(self.soft, soft_rows.make_soft(bodies, slots, self.dtype, blocks=0)._replace(**blocks))
-        self.scratch = _resized(self.scratch, soft_scratch.make_scratch(bodies))
+        # blocks are filled anew in each step, and stay as they are
+        made = refilled(soft_rows.make_soft(bodies, slots, self.dtype, blocks=0), self.soft)
+        self.soft = made._replace(blocks=self.soft.blocks, members=self.soft.members)
+        self.scratch = refilled(soft_scratch.make_scratch(bodies), self.scratch)
         self.desk = soft_scratch.make_desk(bodies, pairs, slots, fill=int(self.desk.notes[0, soft_scratch.FILL]))
 
 
@@ -429,14 +430,6 @@ def _least_room_for(number: int) -> int:
 def _is_wasted(room: int, number: int) -> bool:
     """Whether that is far too much room for so many."""
     return room > number + number // 4 + 64
-
-
-def _resized(old: Any, new: Any) -> Any:
-    """Copy arrays into others with other room."""
-    for source, target in zip(old, new, strict=True):
-        both = tuple(slice(min(a, b)) for a, b in zip(source.shape, target.shape, strict=True))
-        target[both] = source[both]
-    return new
 
 
 def _renumber(numbers: NDArray[np.int64], count: int, new: NDArray[np.int64]) -> int:

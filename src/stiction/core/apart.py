@@ -30,6 +30,7 @@ FORGOTTEN = 0.5
 BITS = 21
 """Of each component of a hint, its sign among them."""
 TINY = 1e-150
+"""A direction whose components are smaller is none."""
 ONE, MASK = 1 << (BITS - 1), (1 << BITS) - 1
 
 
@@ -82,12 +83,20 @@ def see_nothing(pose, kinds, a, b, pairs, k, gap, toward):
 
 @jit
 def hint_of(pose, kinds, a, b, pairs, k):
-    """The direction from a to b along which pair k was last seen to be apart, world; zero if there is none, or if the
-    bodies have moved so far since that it says little."""
-    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - pairs[k, SEEN] / NANO
-    if pairs[k, HINT] == 0 or moved > FORGOTTEN * smaller_reach(pose, kinds, a, b):
+    """The direction from a to b along which pair k was last seen to be apart, as by :func:`as_hint`."""
+    if pairs[k, HINT] == 0:
         return Vec3(0.0, 0.0, 0.0)
-    return mat33(pose, a + 1, s.POSE_ROTATION) @ unpack(pairs[k, HINT])
+    return as_hint(pose, kinds, a, b, pairs[k, SEEN] / NANO, unpack(pairs[k, HINT]))
+
+
+@jit
+def as_hint(pose, kinds, a, b, seen, direction):
+    """A direction in the axes of a that was found when both bodies had moved by ``seen``, m, in world axes; zero if
+    they have moved so far since that it says little."""
+    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - seen
+    if moved > FORGOTTEN * smaller_reach(pose, kinds, a, b):
+        return Vec3(0.0, 0.0, 0.0)
+    return mat33(pose, a + 1, s.POSE_ROTATION) @ direction
 
 
 @jit

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.ahead import DOUBLE, MANY, SINGLE, SOON, ask_for, ask_for_row, row_number
-from stiction.core.apart import hint_of, is_due, look_of, margin_of, see_nothing
+from stiction.core.apart import as_hint, hint_of, is_due, look_of, margin_of, see_nothing
 from stiction.core.collide.manifold import forget_face
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import way_of
 from stiction.core.jit import jit
-from stiction.core.manifolds import is_kept, normal_hint, refresh_manifold, take_points
+from stiction.core.manifolds import is_kept, refresh_manifold, take_points
 from stiction.core.pairs import DUE, PAIR_A, PAIR_B, SLOT, is_sensed
 from stiction.core.sleep import wake_island
 from stiction.core.slots import DUE_LIST, FOUND, LOST, NOTHING, WANTS
@@ -56,7 +56,7 @@ def update_manifolds(
                 needed = margin_of(pose, kinds, a, b)
                 margin = needed + look_of(pose, kinds, a, b)
                 if row > 0 and meta[row, s.POINTS] > 0.0:
-                    hint = normal_hint(a, b, manifolds, meta, pose, kinds, row)
+                    hint = as_hint(pose, kinds, a, b, meta[row, s.MADE], vec3(manifolds, row, s.NORMAL_A))
                 else:
                     hint = hint_of(pose, kinds, a, b, pairs, k)
                 forget_face(points)

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
-from stiction.core.apart import FORGOTTEN, smaller_reach
+from stiction.core.apart import smaller_reach
 from stiction.core.faces import measure_face, order_points
 from stiction.core.jit import jit
 from stiction.core.state import (
@@ -86,16 +86,6 @@ def is_kept(a, b, pose, meta, row):
     """Whether the narrow phase would find the points that the manifold already has."""
     moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.MADE]
     return meta[row, s.POINTS] > 0.0 and moved <= meta[row, s.LIMIT]
-
-
-@jit
-def normal_hint(a, b, manifolds, meta, pose, kinds, row):
-    """The normal of a manifold, world, from where its points may be looked for again; zero if the bodies have moved so
-    far that it says little."""
-    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.MADE]
-    if moved > FORGOTTEN * smaller_reach(pose, kinds, a, b):
-        return Vec3(0.0, 0.0, 0.0)
-    return mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
 
 
 @jit

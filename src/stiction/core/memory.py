@@ -33,3 +33,11 @@ def zeros(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
         return np.zeros(shape, kind)
     start = np.frombuffer(room, np.uint8).ctypes.data
     return np.frombuffer(room, np.uint8, size, -start % HUGE).view(kind).reshape(shape)
+
+
+def refilled(new: Any, old: Any) -> Any:
+    """``new``, a tuple of arrays, with as much of the same tuple with other room as both have room for."""
+    for source, target in zip(old, new, strict=True):
+        both = tuple(slice(min(a, b)) for a, b in zip(source.shape, target.shape, strict=True))
+        target[both] = source[both]
+    return new

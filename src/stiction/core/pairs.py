@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core.jit import jit
-from stiction.core.memory import zeros
+from stiction.core.memory import refilled, zeros
 from stiction.core.state import (
     BOUNDS,
     DYNAMIC,
@@ -90,11 +90,8 @@ def make_pair_cache(n: int, p: int, m: int) -> PairCache:
 
 def resize_pair_cache(cache: PairCache, n: int, p: int, m: int) -> PairCache:
     """The same pairs with room for n bodies and p pairs, of which m touch, in new arrays."""
-    other = make_pair_cache(n, p, m)
-    for old, new in zip(cache, other, strict=True):
-        both = tuple(slice(min(a, b)) for a, b in zip(old.shape, new.shape, strict=True))
-        new[both] = old[both]
-    return other
+    resized: PairCache = refilled(make_pair_cache(n, p, m), cache)
+    return resized
 
 
 # --- who may meet whom ------------------------------------------------------------------------------------------------

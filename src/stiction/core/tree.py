@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stiction.core.jit import jit
-from stiction.core.memory import zeros
+from stiction.core.memory import refilled, zeros
 
 NONE = -1
 """No node, no body."""
@@ -56,9 +56,7 @@ def make_tree(n: int, nodes: int | None = None) -> Tree:
 
 def grow_tree(tree: Tree, n: int) -> Tree:
     """The same tree with room for n bodies, in new arrays."""
-    larger = make_tree(n)
-    for old, new in zip(tree, larger, strict=True):
-        new[: len(old)] = old
+    larger: Tree = refilled(make_tree(n), tree)
     return larger
 
 
