@@ -281,21 +281,22 @@ def test_balls_overlap_what_is_nearer_than_their_radius(rng: np.random.Generator
 
 
 def test_boxes_overlap_what_comes_into_them(rng: np.random.Generator) -> None:
-    """Alternating projections onto box and shape end at the points where they are nearest."""
+    """Alternating projections find a point of both, or a plane between them: the shape lies beyond its nearest point."""
     overlaps, clear = 0, 0
     for _ in range(10):
         scene = Scene(rng, SHAPES * 2, 2.0)
         center, half = 0.7 * rng.normal(size=3), rng.uniform(0.1, 1.0, size=3)
         found = scene.overlap(overlap_box, center, vec(half))
-        for i in range(12):
-            x = center.copy()
+        for i in range(len(scene.bodies)):
+            x, apart = center.copy(), 0.0
             for _ in range(200):
                 y = scene.project(i, x)
-                x = np.clip(y, center - half, center + half)
-                if np.linalg.norm(x - y) < 1e-9:
+                gap = float(np.linalg.norm(x - y))
+                if gap < 1e-9 or apart > 1e-6:
                     break
-            gap = float(np.linalg.norm(x - y))
-            if gap < 1e-9 or gap > 1e-2:
+                apart = float((x - y) @ (center - y) - half @ np.abs(x - y)) / gap
+                x = np.clip(y, center - half, center + half)
+            if gap < 1e-9 or apart > 1e-6:
                 clear += 1
                 overlaps += gap < 1e-9
                 assert (i in found) == (gap < 1e-9), (NAMES[int(scene.kinds[i, state.SHAPE])], gap)
