@@ -281,7 +281,7 @@ def test_balls_overlap_what_is_nearer_than_their_radius(rng: np.random.Generator
 
 
 def test_boxes_overlap_what_comes_into_them(rng: np.random.Generator) -> None:
-    """Alternating projections find a point of both, or a plane between them: the shape lies beyond its nearest point."""
+    """Alternating projections find a point of both, or a plane between: a shape lies beyond its nearest point."""
     overlaps, clear = 0, 0
     for _ in range(10):
         scene = Scene(rng, SHAPES * 2, 2.0)
