@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pytest
 
 from stiction.core import soft_rows as s
-from stiction.core.faces import measure_face, order_points
+from stiction.core.faces import measure_face, order_points, seen_from
+from stiction.core.friction.pressure import Even, pressed, spread_of
 from stiction.core.state import CONTACT_WIDTH, POINT, SCRATCH, TAGS_WIDTH
 from stiction.core.vec import Vec3
 
@@ -64,3 +66,23 @@ def test_a_quadrilateral_is_its_own_face(rng: np.random.Generator) -> None:
         manifold, _ = measured(rng.permutation(places))
         assert manifold[s.KIND] == s.FOUR
         assert abs(manifold[s.ARM]) < 0.3
+
+
+def even_load(manifolds: Any, row: int) -> tuple[float, float]:
+    """Of a face that is pressed evenly: the first element of the inverse of its moments, 1/m^2, and its mean arm, m."""
+    even = Even(
+        manifolds[row, s.EVEN], manifolds[row, s.EVEN + 1], manifolds[row, s.EVEN + 2], manifolds[row, s.ARM], 0.0, 0.0
+    )
+    seen = seen_from(manifolds, manifolds, row, even, 0.0, 0.0)
+    spread = spread_of(seen, even, False)
+    c, sn = seen.turn.c, seen.turn.s
+    inverse = (c * c * spread.vv + 2.0 * c * sn * spread.uv + sn * sn * spread.uu) / spread.det
+    return inverse, pressed(seen, even, False, spread).torque
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.37, 1.0, 20.0])
+def test_two_points_are_a_line_with_an_even_load(size: float) -> None:
+    """The moment of a line is size^2 / 12, its mean arm size / 4."""
+    manifold, _ = measured(np.array([[-0.3, -0.4], [0.3, 0.4]]) * size)
+    inverse, arm = compiled(even_load)(manifold[None], 0)
+    np.testing.assert_allclose([inverse * size**2, arm / size], [12.0, 0.25], rtol=1e-12)

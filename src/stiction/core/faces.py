@@ -36,6 +36,9 @@ GHOST = 0.02
 """Of its length: how wide a strip stands for a line, which lies on one side of it."""
 INNER = 1e-6
 """A corner at which a polygon turns back by more than this part of its squared size lies inside the others."""
+LINE_EVEN, LINE_ARM = 3.8698847242680072, 0.06251613341098453
+"""What :func:`_keep_even` would find for two points a metre apart: one whole moment, 1/12 m^2, and a mean arm of 1/4 m.
+Of other lengths the first goes with the inverse square, the second not at all."""
 CALM = 0.05
 """1 - t is not taken to be less where it divides."""
 
@@ -76,7 +79,7 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
     if found == 1:
         return e1, 0.0
     if found == 2:
-        return _measure_line(contacts, center, n, e1, manifolds, apart, row)
+        return _measure_line(contacts, n, e1, manifolds, row)
 
     corners = found
     disc = (tags[0, FEATURE] & ROUND) != 0
@@ -94,7 +97,8 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
     for k in range(found):
         d = vec3(contacts, k, POINT) - center
         x, y = dot(d, e1), dot(d, e2)
-        sxx, sxy, syy = sxx + x * x / found, sxy + x * y / found, syy + y * y / found
+        sxx, sxy, syy = sxx + x * x, sxy + x * y, syy + y * y
+    sxx, sxy, syy = sxx / found, sxy / found, syy / found
     size2 = sxx + syy
     corners = _merge(points, corners, SAME_PLACE2 * size2)
     corners = _without_inner(points, corners, INNER * size2)
@@ -105,12 +109,15 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
     elif flat:
         mxx, mxy, myy = sxx / 3.0, sxy / 3.0, syy / 3.0
 
-    if abs(mxx - myy) + abs(mxy) < ISOTROPIC * (mxx + myy):
+    wide, mixed = mxx - myy, 2.0 * mxy
+    if abs(wide) + abs(mxy) < ISOTROPIC * (mxx + myy):
         d = vec3(contacts, 1, POINT) - vec3(contacts, 0, POINT)
-        angle = math.atan2(dot(d, e2), dot(d, e1))
-    else:
-        angle = 0.5 * math.atan2(2.0 * mxy, mxx - myy)
-    c, sn = math.cos(angle), math.sin(angle)
+        c, sn = dot(d, e1), dot(d, e2)
+    else:  # half of the angle of (wide, mixed)
+        width = math.sqrt(wide * wide + mixed * mixed)
+        c, sn = (width + wide, mixed) if wide > 0.0 else (abs(mixed), math.copysign(width - wide, mixed))
+    size = math.sqrt(c * c + sn * sn)
+    c, sn = (c / size, sn / size) if size > 0.0 else (1.0, 0.0)
     u, v = e1 * c + e2 * sn, e2 * c - e1 * sn
     for k in range(4):
         d = vec3(contacts, k, POINT) - center if k < found else Vec3(0.0, 0.0, 0.0)
@@ -143,8 +150,8 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
 
 
 @jit
-def _measure_line(contacts, center, n, e1, manifolds, apart, row):
-    """Two points: a narrow strip with its even load on one of its long sides."""
+def _measure_line(contacts, n, e1, manifolds, row):
+    """Two points: a narrow strip with its even load on one of its long sides. Nothing is known of its width."""
     d = vec3(contacts, 1, POINT) - vec3(contacts, 0, POINT)
     d = d - n * dot(n, d)
     size = length(d)
@@ -154,7 +161,7 @@ def _measure_line(contacts, center, n, e1, manifolds, apart, row):
     manifolds[row, s.PLACE_U], manifolds[row, s.PLACE_U + 1] = -half, half
     manifolds[row, s.PLACE_U + 2], manifolds[row, s.PLACE_U + 3] = half, -half
     manifolds[row, s.PLACE_V + 2] = manifolds[row, s.PLACE_V + 3] = GHOST * size
-    _keep_even(manifolds, apart, row, Even(12.0 / (size * size), 0.0, 0.0, 0.0, 0.0, 0.0), 0.0, 0.0, 0.25 * size)
+    manifolds[row, s.EVEN], manifolds[row, s.ARM] = LINE_EVEN / (size * size), LINE_ARM
     return d * (1.0 / size), half * half
 
 
@@ -163,7 +170,7 @@ def _keep_corners(points, corners, c, sn, apart, row):
     """Write three to eight corners as eight, in axes turned by this angle: a corner within a side changes nothing."""
     kept, more = 0, 8 - corners
     for k in range(corners):
-        i, j = FACE + 1 + k, FACE + 1 + (k + 1) % corners
+        i, j = FACE + 1 + k, FACE + 1 + _after(k, corners)
         parts = 1 + more // corners + (1 if k < more % corners else 0)
         for part in range(parts):
             x = points[i, 3] + (points[j, 3] - points[i, 3]) * part / parts
@@ -213,8 +220,6 @@ def _keep_even(manifolds, apart, row, known, gu, gv, arm):
         euu = (euu - (c * c * uu - 2.0 * c * sn * uv + sn * sn * vv)) / calm
         euv = (euv - (c * sn * (uu - vv) + (c * c - sn * sn) * uv)) / calm
         evv = (evv - (sn * sn * uu + 2.0 * c * sn * uv + c * c * vv)) / calm
-        if known.vv == 0.0:  # a line, of whose width nothing is known
-            euv = evv = 0.0
         if abs(euu) + abs(evv) > known.uu + known.vv:  # nearly two corners in one place: the formula alone is better
             euu = euv = evv = 0.0
     manifolds[row, s.EVEN], manifolds[row, s.EVEN + 1], manifolds[row, s.EVEN + 2] = euu, euv, evv
@@ -258,7 +263,7 @@ def _without_inner(points, corners, least):
     how many are left."""
     k = 0
     while k < corners and corners > 3:
-        i, j, m = FACE + 1 + (k + corners - 1) % corners, FACE + 1 + k, FACE + 1 + (k + 1) % corners
+        i, j, m = FACE + 1 + (k + corners - 1) % corners, FACE + 1 + k, FACE + 1 + _after(k, corners)
         ax, ay = points[j, 3] - points[i, 3], points[j, 4] - points[i, 4]
         bx, by = points[m, 3] - points[j, 3], points[m, 4] - points[j, 4]
         if ax * by - ay * bx < -least:
@@ -277,25 +282,26 @@ def _integrals(points, corners):
     about it, per area."""
     area, gx, gy = 0.0, 0.0, 0.0
     for k in range(corners):
-        i, j = FACE + 1 + k, FACE + 1 + (k + 1) % corners
+        i, j = FACE + 1 + k, FACE + 1 + _after(k, corners)
         twice = points[i, 3] * points[j, 4] - points[j, 3] * points[i, 4]
         area += 0.5 * twice
-        gx += twice * (points[i, 3] + points[j, 3]) / 6.0
-        gy += twice * (points[i, 4] + points[j, 4]) / 6.0
+        gx += twice * (points[i, 3] + points[j, 3])
+        gy += twice * (points[i, 4] + points[j, 4])
     over = 1.0 / area if area > 0.0 else 0.0
-    gx, gy = gx * over, gy * over
+    gx, gy = gx * over / 6.0, gy * over / 6.0
     xx, xy, yy, tx, ty = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(corners):
-        i, j = FACE + 1 + k, FACE + 1 + (k + 1) % corners
+        i, j = FACE + 1 + k, FACE + 1 + _after(k, corners)
         ax, ay, bx, by = points[i, 3] - gx, points[i, 4] - gy, points[j, 3] - gx, points[j, 4] - gy
-        twice = (ax * by - bx * ay) * over
+        twice = ax * by - bx * ay
         sx, sy, aa, bb, ab = ax + bx, ay + by, ax * ax + ay * ay, bx * bx + by * by, ax * bx + ay * by
-        xx += twice * (ax * ax + bx * bx + ax * bx) / 12.0
-        yy += twice * (ay * ay + by * by + ay * by) / 12.0
-        xy += twice * (2.0 * (ax * ay + bx * by) + ax * by + bx * ay) / 24.0
+        xx += twice * (ax * ax + bx * bx + ax * bx)
+        yy += twice * (ay * ay + by * by + ay * by)
+        xy += twice * (2.0 * (ax * ay + bx * by) + ax * by + bx * ay)
         # of the triangle (0, a, b): twice / 5 times the mean over the side of r |r|^2
-        tx += twice * (sx * (aa + bb + ab) + 2.0 * (ax * aa + bx * bb) + ax * ab + bx * ab) / 60.0
-        ty += twice * (sy * (aa + bb + ab) + 2.0 * (ay * aa + by * bb) + ay * ab + by * ab) / 60.0
+        tx += twice * (sx * (aa + bb + ab) + 2.0 * (ax * aa + bx * bb) + ax * ab + bx * ab)
+        ty += twice * (sy * (aa + bb + ab) + 2.0 * (ay * aa + by * bb) + ay * ab + by * ab)
+    xx, xy, yy, tx, ty = xx * over / 12.0, xy * over / 24.0, yy * over / 12.0, tx * over / 60.0, ty * over / 60.0
     return area, gx, gy, xx, xy, yy, tx, ty
 
 
@@ -304,7 +310,7 @@ def _mean_arm(points, corners, gx, gy):
     """Mean distance of the polygon's points from (gx, gy)."""
     total, area = 0.0, 0.0
     for k in range(corners):
-        i, j = FACE + 1 + k, FACE + 1 + (k + 1) % corners
+        i, j = FACE + 1 + k, FACE + 1 + _after(k, corners)
         ax, ay, bx, by = points[i, 3] - gx, points[i, 4] - gy, points[j, 3] - gx, points[j, 4] - gy
         tx, ty = bx - ax, by - ay
         side = math.sqrt(tx * tx + ty * ty)
@@ -315,6 +321,14 @@ def _mean_arm(points, corners, gx, gy):
             lower, upper = (ax * tx + ay * ty) / side, (bx * tx + by * ty) / side
             ra, rb = math.sqrt(ax * ax + ay * ay), math.sqrt(bx * bx + by * by)
             near = abs(d)
-            logs = math.asinh(upper / near) - math.asinh(lower / near)
+            # asinh(x / near) = log((x + r) / near), where r^2 = x^2 + near^2
+            far = upper + rb if upper > 0.0 else near * near / (rb - upper)
+            logs = math.log(far / (lower + ra if lower > 0.0 else near * near / (ra - lower)))
             total += d / 6.0 * (upper * rb - lower * ra + d * d * logs)
     return total / area
+
+
+@jit
+def _after(k, corners):
+    """The next corner, all the way round."""
+    return k + 1 if k + 1 < corners else 0

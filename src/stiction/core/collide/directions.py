@@ -76,14 +76,14 @@ def climb(A, B, hulls, n, sigma, wa, wb, lift, floor, fine, stalled, lifts):
         shift = Vec3(0.0, 0.0, 0.0) if apart else n * (gap - sigma)
         tolerance = COARSE if gap > LEAST_LIFT * small and not apart else fine
         gap = LEAST_LIFT * small
-        proven, bound, m, wa, wb = between_lines(A, B, hulls, shift, n, tolerance)
+        proven, straight, bound, m, wa, wb = between_lines(A, B, hulls, shift, n, tolerance)
         if not proven:
             _, bound, m, wa, wb = closest(A, B, hulls, shift, n, math.inf, 0.0, tolerance)
         bound -= dot(shift, m)
         before = sigma
         if bound > sigma:
             n, sigma = m, bound
-        if apart or (tolerance == fine and bound <= before + stalled):
+        if apart or straight or (tolerance == fine and bound <= before + stalled):
             break
     return apart, n, sigma, wa, wb
 
@@ -94,19 +94,20 @@ def between_lines(A, B, hulls, shift, n, tolerance):
     rim of cylinders, that reach farthest along n: as :func:`closest`, but first whether it is proven.
 
     It is if the cores are as far apart along the line between the nearest points as these points are, but for a part
-    ``tolerance``.
+    ``tolerance``. Then comes whether they are nearest somewhere within two straight lines: the direction is across both
+    then, wherever B is moved to.
     """
     if is_ellipsoid(A) or is_ellipsoid(B):
-        return False, 0.0, n, A.p, B.p
+        return False, False, 0.0, n, A.p, B.p
     p, u, ra = _line_at(A, hulls, n)
     q, v, rb = _line_at(B, hulls, -n)
     q = q + shift
     tilt_a = dot(column(A.R, 2), n) if A.round else 0.0
     tilt_b = dot(column(B.R, 2), n) if B.round else 0.0
-    s, t = 0.5, 0.5
+    s, t, straight = 0.5, 0.5, False
     if abs(tilt_a) > ON_SIDE:
         if abs(tilt_b) > ON_SIDE:
-            return False, 0.0, n, p, q
+            return False, False, 0.0, n, p, q
         side = math.copysign(1.0, tilt_a)
         t, x = _rim_and_line(p + u if tilt_a > 0.0 else p, column(A.R, 2) * side, ra, q, v)
         y, ra = q + v * t, 0.0
@@ -117,12 +118,14 @@ def between_lines(A, B, hulls, shift, n, tolerance):
     else:
         s, t = nearest_on_segments(p, u, q, v)
         x, y = p + u * s, q + v * t
+        straight = 0.0 < s < 1.0 and 0.0 < t < 1.0
     size = length(y - x)
     if size <= ra + rb or (A.round and not 0.0 < s < 1.0) or (B.round and not 0.0 < t < 1.0):
-        return False, 0.0, n, x, y
+        return False, False, 0.0, n, x, y
     m = (y - x) * (1.0 / size)
     upper, bound = size - ra - rb, along(A, B, hulls, m) + dot(shift, m)
-    return upper - bound <= tolerance * upper, bound, m, x + m * ra, y - m * rb - shift
+    proven = upper - bound <= tolerance * upper
+    return proven, proven and straight, bound, m, x + m * ra, y - m * rb - shift
 
 
 @jit
@@ -235,18 +238,17 @@ def best_face(A, B, hulls, wa, wb, least, slack):
 @jit
 def _best_of(F, X, hulls, w, least):
     """The same for the faces of F alone: number, outward normal, and how far X is along it; -1 if none is better."""
-    to_f = transpose(F.R)
-    R, p, w = to_f @ X.R, to_f @ (X.p - F.p), to_f @ (w - F.p)
-    back, s = transpose(R), F.scale
+    w, s = transpose(F.R) @ (w - F.p), F.scale
     face, n, best = -1, w, least
     if F.round:
         for f in range(2):
-            m = Vec3(0.0, 0.0, 1.0 - 2.0 * f)
-            if m.z * w.z - s.z > best:
-                h = dot(m, p + R @ reach_point(X, hulls, -(back @ m))) - s.z
+            side = 1.0 - 2.0 * f
+            if side * w.z - s.z > best:
+                m = column(F.R, 2) * side
+                h = dot(m, support(X, hulls, -m) - F.p) - s.z
                 if h > best:
                     face, n, best = f, m, h
-        return face, F.R @ n, best
+        return face, n, best
     planes = hulls.planes
     first = hulls.spans[F.hull, 2]
     for i in range(first, first + hulls.spans[F.hull, 3]):
@@ -254,10 +256,11 @@ def _best_of(F, X, hulls, w, least):
         # only the cube is scaled, and its normals are axes
         offset = planes[i, 3] * (m.x * m.x * s.x + m.y * m.y * s.y + m.z * m.z * s.z)
         if dot(m, w) - offset > best:
-            h = dot(m, p + R @ reach_point(X, hulls, -(back @ m))) - offset
+            m = F.R @ m
+            h = dot(m, support(X, hulls, -m) - F.p) - offset
             if h > best:
                 face, n, best = i - first, m, h
-    return face, F.R @ n, best
+    return face, n, best
 
 
 @jit
