@@ -132,7 +132,7 @@ class SoftStore(Store):
             elif reason == soft_step.MORE_SLOTS:
                 self._resize(len(self.bodies), len(self.cache.pairs), _room_for(number))
             elif reason == soft_step.MORE_BLOCKS:
-                self._resize_blocks(_room_for(number))
+                self._resize_blocks(_room_for(number), _room_for(int(self.scratch.counts[soft_scratch.BLOCK_ROWS])))
             elif reason == soft_step.MORE_CONTACTS:
                 self._grow_contacts(_room_for(number))
             elif reason == soft_step.BLOWN_UP:
@@ -381,8 +381,8 @@ class SoftStore(Store):
     def _grow_contacts(self, room: int) -> None:
         self.contacts, self.tags = state.make_contacts(room)
 
-    def _resize_blocks(self, room: int) -> None:
-        made = soft_rows.make_soft(0, 0, self.dtype, blocks=room)
+    def _resize_blocks(self, room: int, rows: int) -> None:
+        made = soft_rows.make_soft(0, 0, self.dtype, blocks=room, rows=rows)
         self.soft = self.soft._replace(blocks=made.blocks, members=made.members)
 
     def _trim(self) -> None:
@@ -392,8 +392,9 @@ class SoftStore(Store):
         if _is_wasted(len(self.cache.free), slots) or _is_wasted(len(self.cache.pairs), pairs):
             self._gather_slots()
             self._resize(len(self.bodies), _least_room_for(pairs), _least_room_for(slots))
-        if _is_wasted(len(self.soft.blocks) // soft_rows.FIELDS, blocks):
-            self._resize_blocks(_least_room_for(blocks))
+        rows = int(self.scratch.counts[soft_scratch.BLOCK_ROWS])
+        if _is_wasted(len(self.soft.blocks), rows):
+            self._resize_blocks(_least_room_for(blocks), _least_room_for(rows))
 
     def _gather_slots(self) -> None:
         """Number the slots anew, in the order of their pairs."""

@@ -124,10 +124,10 @@ class Block:
     def __init__(self, pairs: list[Pair], precision: Any = np.float64) -> None:
         n = len(pairs)
         manifolds, aux = np.zeros((n + 1, s.MANIFOLD_WIDTH), precision), np.zeros((2 * n + 1, s.AUX_WIDTH), precision)
-        index = np.zeros((3, LANES), np.int32)
+        index = np.zeros((s.MEMBERS, LANES), np.int32)
         for k, pair in enumerate(pairs):
             pair.write(manifolds, aux, k + 1, 2 * k + 1, 2 * k + 2)
-            index[:, k] = 2 * k + 1, 2 * k + 2, k + 1
+            index[:3, k] = 2 * k + 1, 2 * k + 2, k + 1
         self.rows = np.full((s.FIELDS, LANES), np.inf, precision)
         compiled(prepare_block)(
             0, self.rows, index, 1, manifolds, np.zeros((n + 1, s.CORNERS_WIDTH), precision), aux, H, 4 * H, BETA, SOFT,

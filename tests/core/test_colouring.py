@@ -20,12 +20,14 @@ from stiction.core.colouring import (
     WAYS,
     colour_manifolds,
     count_blocks,
+    count_rows,
     empty_blocks,
     fill_blocks,
+    first_row,
     forget_colours,
 )
 from stiction.core.lanes import LANES
-from stiction.core.soft_rows import MEMBERS
+from stiction.core.soft_rows import FIELDS, MEMBERS, POINT_FIELDS
 
 from .support import Array, compiled
 
@@ -59,6 +61,8 @@ class Coloured:
             compiled(fill_blocks)(self.active, m, starts, self.index, self.blocks, world, n + 1, PLACES)
         assert (self.index[MEMBERS * self.blocks :] == -7).all()
         self.sorts: list[int] = self.index[4 * self.blocks : MEMBERS * self.blocks, 0].tolist()
+        self.starts = [int(compiled(first_row)(self.index, i, self.blocks)) for i in range(self.blocks)]
+        self.room = int(compiled(count_rows)(sizes, self.blocks))
         self.colours: Array = self.active[:m, 3] // (WAYS * SORTS)
         self.sizes = sizes
 
@@ -217,3 +221,20 @@ def test_what_has_no_colour_keeps_its_order(rng: np.random.Generator) -> None:
     assert [slot for row in found.rows() for *_, slot in row] == [101 + k for k in range(m)]
     assert found.sorts == sorts.tolist()
     assert POINT in found.sorts[COLOURS:]
+
+
+def test_blocks_lie_one_behind_the_other(rng: np.random.Generator) -> None:
+    """Those of points are shorter; but for the ones without a colour, of which nobody knows beforehand."""
+    n, m = 300, 900
+    ways = rng.integers(SORTS * WAYS, size=m)
+    found = Coloured(random_pairs(rng, n, m), random_mobility(rng, n), 1, ways)
+    widths = [POINT_FIELDS if sort == POINT else FIELDS for sort in found.sorts]
+    assert found.starts == [sum(widths[:i]) for i in range(found.blocks)]
+    assert found.room == sum(widths)
+    assert 0 < found.sorts.count(POINT) < found.blocks
+
+    m = COLOURS + 50
+    found = Coloured([(0, k) for k in range(1, m + 1)], [state.DYNAMIC] * (m + 1), 1, np.full(m, POINT * WAYS))
+    widths = [POINT_FIELDS] * COLOURS + [FIELDS] * 50
+    assert found.starts == [sum(widths[:i]) for i in range(m)]
+    assert found.room == sum(widths)

@@ -41,7 +41,7 @@ def as_points(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, r
     for _ in range(cold):
         solve_points(0, blocks, index, 1, rows, h, 0.0, True, False)
     if cold > 0:
-        lift_points(0, blocks)
+        lift_points(0, blocks, index, 1)
     for k in range(SUBSTEPS):
         solve_points(0, blocks, index, 1, rows, h, k * h, False, True)
         go(rows, h)
@@ -57,7 +57,7 @@ def as_faces(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, ro
     for _ in range(cold):
         solve_block(0, blocks, index, 1, rows, aux, h, 0.0, True, False, None, None, None)
     if cold > 0:
-        lift_block(0, blocks)
+        lift_block(0, blocks, index, 1)
     for k in range(SUBSTEPS):
         solve_block(0, blocks, index, 1, rows, aux, h, k * h, False, True, None, None, None)
         go(rows, h)

@@ -12,6 +12,7 @@ slides, or nothing carries a load, leaves out what only others would need.
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.ahead import row_number
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 from stiction.core.state import DYNAMIC, MOBILITY
@@ -105,6 +106,15 @@ def count_blocks(sizes):
 
 
 @jit
+def count_rows(sizes, blocks):
+    """How many rows so many blocks have, whose manifolds are these."""
+    points = 0
+    for c in range(count_colours(sizes)):
+        points += (sizes[SORTS * c + POINT] + LANES - 1) // LANES
+    return (blocks - points) * s.FIELDS + points * s.POINT_FIELDS
+
+
+@jit
 def empty_blocks(sizes, starts, index, count):
     """``count`` blocks with nobody in them, and where in each group begins what did the same, instead of how much.
 
@@ -113,7 +123,7 @@ def empty_blocks(sizes, starts, index, count):
     for i in range(s.MEMBERS * count):
         for lane in range(LANES):
             index[i, lane] = 0
-    place = 0
+    place, row = 0, 0
     for group in range(SORTS * count_colours(sizes)):
         lane = place
         for k in range(WAYS * group, WAYS * (group + 1)):
@@ -122,9 +132,13 @@ def empty_blocks(sizes, starts, index, count):
             lane += here
         blocks = (sizes[group] + LANES - 1) // LANES
         for i in range(place // LANES, place // LANES + blocks):
-            index[i + 4 * count, 0] = group % SORTS
+            index[i + 4 * count, 0], index[i + 4 * count, 1] = group % SORTS, row
+            row += s.POINT_FIELDS if group % SORTS == POINT else s.FIELDS
         place += blocks * LANES
     starts[WAYS * (GROUPS - 1)] = place
+    for i in range(place // LANES, count):
+        index[i + 4 * count, 1] = row
+        row += s.FIELDS
 
 
 @jit
@@ -143,6 +157,12 @@ def fill_blocks(active, m, starts, index, count, world, bodies, manifolds):
         index[i + 3 * count, lane] = world
         if alone:
             index[i + 4 * count, 0] = place - cursor
+
+
+@jit
+def first_row(index, i, count):
+    """Where block i, of ``count``, begins among the rows of all."""
+    return row_number(index[i + 4 * count, 1])
 
 
 @jit

@@ -4,7 +4,7 @@ Three kinds of rows, in the solver's own precision (float32 unless double is ask
 
 manifolds   80 numbers a pair: frame, points, impulses, friction state. They live as long as the pair.
 blocks      eight manifolds side by side, made anew each step from the manifolds, in the order of the colours: number k
-            of the eight is a vector, so a block is FIELDS vectors of eight lanes.
+            of the eight is a vector, so a block is FIELDS vectors of eight lanes, or POINT_FIELDS if all are points.
 rows        how a body's velocities and place differ from those of the start of the step and of going on with them, one
             cache line a body, row 0 for nobody.
 
@@ -74,7 +74,7 @@ the anchor in the axes of a and of b, from their centres of mass, m; how far bot
 computed last, m; mean square distance of the points from the anchor, m^2;
 the pair's coefficient of restitution; by how much points lie higher along the normal where they are further apart."""
 
-# --- blocks: (blocks x FIELDS, 8) -------------------------------------------------------------------------------------
+# --- blocks: (rows of all blocks, 8) ----------------------------------------------------------------------------------
 
 (
     # what points have too (solve.points), who use no more than the first of four numbers, and two of three
@@ -124,9 +124,12 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     6, 9, 6, 4, 4, 2, 1, 8, 2, 1, 2, 1, 4, 1, 4,
 )  # fmt: skip
 
+POINT_FIELDS = B_FRICTION
+"""A block of points ends where begins what only faces have."""
+
 MEMBERS = 5
 """Rows of members a block, each as many behind the other as there are blocks: of bodies a and b, of the manifold, the
-world, and in the first lane the sort (``colouring``)."""
+world, and in the first two lanes the sort, and the first row of the block (``colouring``)."""
 
 # --- rows of bodies ---------------------------------------------------------------------------------------------------
 
@@ -153,7 +156,7 @@ class Soft(NamedTuple):
     manifolds: np.ndarray  # (m + 1, MANIFOLD_WIDTH), row 0 is nobody's: what pads a block
     meta: np.ndarray  # (m + 1, META_WIDTH) float64
     reports: np.ndarray  # (m + 1, REPORT_WIDTH)
-    blocks: np.ndarray  # (blocks x FIELDS, 8)
+    blocks: np.ndarray  # (rows of all blocks, 8)
     members: np.ndarray  # (MEMBERS x blocks, 8) int32: rows of bodies a and b, and of the manifold; the world; the kind
     rows: np.ndarray  # (n + 1, ROW_WIDTH)
     aux: np.ndarray  # (n + 1, AUX_WIDTH)
@@ -171,16 +174,16 @@ def members_from(soft, first):
     )  # fmt: skip
 
 
-def make_soft(n: int, m: int, dtype: type = np.float32, blocks: int | None = None) -> Soft:
+def make_soft(n: int, m: int, dtype: type = np.float32, blocks: int | None = None, rows: int | None = None) -> Soft:
     """Zeroed arrays. Unless it is said how many blocks there are, room for all manifolds: each colour may leave a
-    block that is partly filled."""
+    block that is partly filled; and unless it is said how many rows these have, all may be faces."""
     if blocks is None:
         blocks = m // LANES + 128 + m // 16
     return Soft(
         manifolds=zeros((m + 1, MANIFOLD_WIDTH), dtype),
         meta=zeros((m + 1, META_WIDTH)),
         reports=zeros((m + 1, REPORT_WIDTH), dtype),
-        blocks=zeros((blocks * FIELDS, LANES), dtype),
+        blocks=zeros((blocks * FIELDS if rows is None else rows, LANES), dtype),
         members=zeros((MEMBERS * blocks, LANES), np.int32),
         rows=zeros((n + 1, ROW_WIDTH), dtype),
         aux=zeros((n + 1, AUX_WIDTH), dtype),

@@ -20,11 +20,11 @@ from stiction.core.state import CONTACT_WIDTH, SCRATCH, TAGS_WIDTH
 AWAKE, EDITED, BODY_LISTS = range(3)
 """Rows of the lists of bodies that a world keeps: those awake, and those that were changed from outside."""
 
-N_AWAKE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, BLOCKS, N_LAST, UNCUT, COUNTS = range(11)
+N_AWAKE, N_EDITED, N_KNOWN, STALE, STEP, WATCHED, HARD, BLOCKS, N_LAST, UNCUT, BLOCK_ROWS, COUNTS = range(12)
 """Entries of the counts: bodies awake, bodies changed from outside, bodies seen before; whether the list of those awake
 is out of date; steps so far; whether bodies that sleep may have been changed without a word; whether a light body
 carries a heavy one; blocks of the last step; bodies at the end of the last call; steps until islands are looked for
-again."""
+again; rows of these blocks, or of those for which there was no room."""
 
 TOUCHING, MOVING, MARK, GLIDE, USED, GROUP, RESTLESS, LISTS = range(8)
 """Rows of the lists on a desk: the bodies in contact, by world; the rows of those of them that move; a mark for each

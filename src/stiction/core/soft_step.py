@@ -15,6 +15,7 @@ from stiction.core.colouring import (
     GROUPS,
     colour_manifolds,
     count_blocks,
+    count_rows,
     empty_blocks,
     fill_blocks,
     forget_colours,
@@ -73,6 +74,7 @@ from stiction.core.soft_scratch import (
     ACTIVE,
     ALWAYS,
     AWAKE,
+    BLOCK_ROWS,
     BLOCKS,
     BOUNCING,
     FILL,
@@ -277,10 +279,14 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, po
             desk.pieces,
         )  # fmt: skip
         counts[UNCUT] = UNCUT_FOR if pieces == 1 else 0
-    blocks = 0
+    blocks, rows = 0, 0
     for piece in range(pieces):
-        blocks += colour_piece(book, first, worlds, notes, piece, pieces, blocks, points)
-    if s.MEMBERS * blocks > soft.members.shape[0] or s.FIELDS * blocks > soft.blocks.shape[0]:
+        here = colour_piece(book, first, worlds, notes, piece, pieces, blocks, points)
+        blocks, rows = blocks + here, rows + count_rows(desk.sizes[piece, :GROUPS], here)
+    for j in range(worlds):
+        if notes[j, ROLE] == WAITS:
+            scratch_at(book, first + j).counts[BLOCK_ROWS] = rows
+    if s.MEMBERS * blocks > soft.members.shape[0] or rows > soft.blocks.shape[0]:
         for j in range(worlds):
             if notes[j, ROLE] == WAITS:
                 stop(n, book, first + j, outcomes, MORE_BLOCKS, blocks)

@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
+from stiction.core.colouring import first_row
 from stiction.core.friction.pressure import Even
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, load, select, store
@@ -106,7 +107,7 @@ def prepare_laws(i, blocks, index, count, manifolds, aux, laws):
     The first three of B_SCALED are the cosine and sine of the grain in the plane, and the ratio, for :func:`stretch`.
     """
     kinds, table, grain = laws
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     for lane in range(LANES):
         row = index[i + 2 * count, lane]
         c, sn, ratio = 1.0, 0.0, 1.0
@@ -138,7 +139,7 @@ def hold_on(i, blocks, index, count, manifolds, corners, laws, h):
     """The impulse a substep with which each point of a manifold holds on: its share of the force, if any touches, and
     of the pressure on the whole face, if it touches itself."""
     kinds, table, _ = laws
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     for lane in range(LANES):
         for k in range(4):
             blocks[o + s.B_ATTRACT + k, lane] = 0.0
@@ -287,7 +288,7 @@ def follow_slip(i, blocks, index, count, rows, aux, now, laws):
     ``now``: 1, or 0 where the velocities are still those of the start of the step, whatever the rows say.
     """
     kinds, table, _ = laws
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     for lane in range(LANES):
         if index[i + 2 * count, lane] <= 0:
             continue

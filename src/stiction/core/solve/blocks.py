@@ -13,6 +13,7 @@ without touching the bodies in between.
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.colouring import first_row
 from stiction.core.contact_space import inverse_mass_matrix, skew
 from stiction.core.friction.laws import hold_on, keep_scaled, prepare_laws, scaled_force, scaling_at, stretch, stretched
 from stiction.core.friction.lifting import Corners, with_lifting
@@ -135,7 +136,7 @@ def bodies_of(i, blocks, index, count, aux):
     Ra, ma, Ia = body_of(aux, index, i)
     Rb, mb, Ib = body_of(aux, index, i + count)
     scale = 1.0 / greatest(ma + mb, TINY)
-    store(blocks, i * s.FIELDS + s.B_SCALE, scale)
+    store(blocks, first_row(index, i, count) + s.B_SCALE, scale)
     return Ra, ma * scale, scaled(Ia, scale), Rb, mb * scale, scaled(Ib, scale), scale
 
 
@@ -225,7 +226,7 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, dt, beta,
     move; the ``stiff`` ones where one of them cannot. ``corners``: those of faces with more than four. ``laws``: kinds,
     table and grain, or None where no pair has more than constant coefficients.
     """
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     rows = i + 2 * count
     Ra, ma, Ia, Rb, mb, Ib, scale = bodies_of(i, blocks, index, count, aux)
     ga = gather(manifolds, index, rows, s.NORMAL_A)

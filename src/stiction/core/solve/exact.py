@@ -22,7 +22,7 @@ Costs: bodies 1, manifolds 1 a pass; a check of the miss as much as a pass, ever
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
-from stiction.core.colouring import is_point_block
+from stiction.core.colouring import first_row, is_point_block
 from stiction.core.friction.laws import scaled_slip
 from stiction.core.friction.patch import choose3, level, slide, times
 from stiction.core.jit import entry, jit
@@ -86,7 +86,7 @@ def iterate(blocks, index, count, rows, aux, h, t, rolls, laws, exact):
                     tally[LOGGED] = entry + 1.0
                 if miss <= tolerance:
                     break
-        if passes >= most or not settle_states(blocks, count, turn == 0):
+        if passes >= most or not settle_states(blocks, index, count, turn == 0):
             break
     tally[PASSES] += passes
     tally[LAST_MISS] = miss
@@ -96,11 +96,11 @@ def iterate(blocks, index, count, rows, aux, h, t, rolls, laws, exact):
 
 
 @jit
-def settle_states(blocks, count, first):
+def settle_states(blocks, index, count, first):
     """Let those go that stick at the static limit and, the first time, stick what could; whether any changed."""
     changed = False
     for i in range(count):
-        o = i * s.FIELDS
+        o = first_row(index, i, count)
         sliding = load(blocks, o + s.B_STATE) > 0.5
         over = load(blocks, o + s.B_OVER)
         new = sliding | (over > 1.0 + OVER)
@@ -121,10 +121,11 @@ def miss_of_all(blocks, index, count, rows, h, t, laws, moved):
             miss = miss_of_points(i, blocks, index, count, rows, h, t)
         else:
             miss = miss_of_block(i, blocks, index, count, rows, h, t, laws, moved)
-        store(blocks, i * s.FIELDS + s.B_MISS, miss)
+        o = first_row(index, i, count)
+        store(blocks, o + s.B_MISS, miss)
         for lane in range(LANES):
             if index[i + 2 * count, lane] > 0:
-                worst = max(worst, blocks[i * s.FIELDS + s.B_MISS, lane])
+                worst = max(worst, blocks[o + s.B_MISS, lane])
     return worst
 
 
@@ -153,7 +154,8 @@ def measure_miss_again(blocks, index, count, manifolds, corners, rows, aux, h, s
                 i, blocks, index, count, manifolds, corners, aux, h, h * substeps, beta, compliance, beta_stiff,
                 compliance_stiff, None,
             )  # fmt: skip
-        put3(blocks, i * s.FIELDS + s.B_BELT, belt_now(blocks, i * s.FIELDS, h * substeps))
+        o = first_row(index, i, count)
+        put3(blocks, o + s.B_BELT, belt_now(blocks, o, h * substeps))
     return miss_of_all(blocks, index, count, rows, h, h * substeps, None, True)
 
 
@@ -165,7 +167,7 @@ def miss_of_block(i, blocks, index, count, rows, h, t, laws, moved):
     never more than what taking the load away would do. For friction it is the change of slip that the manifold's own
     solution would make. ``moved``: the bodies have gone the way of the substep already.
     """
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     C = transpose(frame_of(blocks, o))
     v, w, _, _, _, _ = twist_now(i, blocks, o, index, count, rows, C, t if moved else t + h)
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)

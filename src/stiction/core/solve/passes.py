@@ -73,19 +73,19 @@ def run_passes(
             for r in range(rounds):
                 first, last = blocks_of(sizes, r, count, team, worker)
                 for i in range(first, last):
-                    if has_fresh(blocks, i):
+                    if has_fresh(i, blocks, index, count):
                         solve_any(i, blocks, index, count, rows, aux, h, 0.0, True, False, rolls, laws, exact)
                 meet(team)
-            if turn % COLD_PASSES == COLD_PASSES - 1 and last_change(blocks, count) < COLD_ENOUGH:
+            if turn % COLD_PASSES == COLD_PASSES - 1 and last_change(blocks, index, count) < COLD_ENOUGH:
                 break
         first, last = share(team, worker, 0, count)
         for i in range(first, last):
-            if not has_fresh(blocks, i):
+            if not has_fresh(i, blocks, index, count):
                 continue
             if is_point_block(index, i, count):
-                lift_points(i, blocks)
+                lift_points(i, blocks, index, count)
             else:
-                lift_block(i, blocks)
+                lift_block(i, blocks, index, count)
         meet(team)
     if worker == 0:
         lap(profile, 4)

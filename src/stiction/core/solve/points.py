@@ -11,6 +11,7 @@ A manifold is solved here or there by what it is itself (``colouring.way_of``), 
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.colouring import first_row
 from stiction.core.friction.coulomb import limited_impulse
 from stiction.core.jit import jit
 from stiction.core.lanes import all_of, any_of, gather, greatest, least, load, select, size_of, splat, sqrt, store
@@ -51,7 +52,7 @@ from stiction.core.vec import Vec3, columns, cross, dot, transpose
 @jit
 def prepare_points(i, blocks, index, count, manifolds, aux, h, dt, beta, soft, beta_stiff, soft_stiff):
     """Fill block i, as :func:`stiction.core.solve.blocks.prepare_block` does for faces."""
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     rows = i + 2 * count
     Ra, ma, Ia, _, mb, Ib, scale = bodies_of(i, blocks, index, count, aux)
     ga = gather(manifolds, index, rows, s.NORMAL_A)
@@ -131,7 +132,7 @@ def gap_now(i, blocks, o, index, count, rows, C, t):
 @jit
 def warm_points(i, blocks, index, count, rows):
     """Apply the impulses that the points of block i bring along from the step before."""
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     B = frame_of(blocks, o)
     v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, transpose(B), 0.0)
     pull, belt = get3(blocks, o + s.B_PULL), get3(blocks, o + s.B_BELT)
@@ -144,7 +145,7 @@ def warm_points(i, blocks, index, count, rows):
 @jit
 def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
     """One pass over block i, as :func:`stiction.core.solve.soft.solve_block` does it for faces."""
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     B = frame_of(blocks, o)
     C = transpose(B)
     v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C, t + h)
@@ -269,9 +270,9 @@ def points_stay_open(blocks, o, v, aim, near, h, cold, counts):
 
 
 @jit
-def lift_points(i, blocks):
+def lift_points(i, blocks, index, count):
     """:func:`stiction.core.solve.soft.lift_block` for points."""
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     quiet = load(blocks, o + s.B_FRESH) > s.NEW
     gap = load(blocks, o + s.B_GAP)
     lift = lent(gap, load(blocks, o + s.B_LOAD), load(blocks, o + s.B_SOFT), load(blocks, o + s.B_BETA), quiet)
@@ -283,7 +284,7 @@ def lift_points(i, blocks):
 def miss_of_points(i, blocks, index, count, rows, h, t):
     """By how many m/s the points of block i miss their laws after a step: as
     :func:`stiction.core.solve.exact.miss_of_block`."""
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     C = transpose(frame_of(blocks, o))
     v, _, _, _, _, _ = twist_now(i, blocks, o, index, count, rows, C, t)
     gap = gap_now(i, blocks, o, index, count, rows, C, t) + v.x * h

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.ahead import ask_for_block, ask_for_bodies
-from stiction.core.colouring import is_point_block
+from stiction.core.colouring import first_row, is_point_block
 from stiction.core.friction.laws import force_in_plane
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES
@@ -25,7 +25,7 @@ def store_blocks(blocks, index, count, manifolds, reports, aux, h, part, ledgers
     ``exact``: whether contacts are rigid; ``many``: how many manifolds the step has.
     """
     for i in range(count):
-        o, points = i * s.FIELDS, is_point_block(index, i, count)
+        o, points = first_row(index, i, count), is_point_block(index, i, count)
         ask_for_bodies(index, i + 1, count, aux, s.AUX_WORK, many)
         ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH, many)
         ask_for_block(index, i + 1, count, reports, s.REPORT_WIDTH, many)

@@ -18,6 +18,7 @@ them. What rounding does to them is a part of what changes in a step, and not of
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.colouring import first_row
 from stiction.core.friction.coulomb import limited_impulse
 from stiction.core.friction.laws import follow_slip, real_force, scaled_slip
 from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slide, times
@@ -134,7 +135,7 @@ def push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torq
 @jit
 def warm_block(i, blocks, index, count, rows, aux, laws):
     """Apply the impulses that the manifolds of block i bring along from the step before."""
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     B = frame_of(blocks, o)
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
     lam = get4(blocks, o + s.B_LOAD)
@@ -200,7 +201,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
     ``laws`` as in :func:`prepare_block`; ``exact`` is None but for the rigid contacts of
     :mod:`stiction.core.solve.exact`, whose state is decided there.
     """
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     B = frame_of(blocks, o)
     C = transpose(B)
     v, w, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C, t + h)
@@ -413,14 +414,14 @@ def has_error(error, lam):
 
 
 @jit
-def lift_block(i, blocks):
+def lift_block(i, blocks, index, count):
     """Begin quiet new contacts of block i as deep as their loads will have them in the end, without moving the bodies.
 
     Else a body that is put down gently would sink and tilt by some micrometres within a few substeps, fast enough to
     break loose on a slope that it should hold on. What is lent here is taken back slowly, and only where the load falls
     below that of the beginning (:func:`store_lane`).
     """
-    o = i * s.FIELDS
+    o = first_row(index, i, count)
     quiet = load(blocks, o + s.B_FRESH) > s.NEW
     gap, lam, gamma = get4(blocks, o + s.B_GAP), get4(blocks, o + s.B_LOAD), get4(blocks, o + s.B_SOFT)
     beta = load(blocks, o + s.B_BETA)
@@ -491,12 +492,12 @@ def keep_friction(blocks, o, pull, slip, sliding):
 
 
 @jit
-def last_change(blocks, count):
+def last_change(blocks, index, count):
     """By how much the last cold pass has changed a velocity at most, m/s."""
     worst = 0.0
     for i in range(count):
-        if has_fresh(blocks, i):
-            o = i * s.FIELDS
+        if has_fresh(i, blocks, index, count):
+            o = first_row(index, i, count)
             for lane in range(LANES):
                 if blocks[o + s.B_FRESH, lane] > s.OLD:
                     worst = max(worst, blocks[o + s.B_MISS, lane])
@@ -504,6 +505,6 @@ def last_change(blocks, count):
 
 
 @jit
-def has_fresh(blocks, i):
+def has_fresh(i, blocks, index, count):
     """Whether a manifold of block i is new in this step."""
-    return any_of(load(blocks, i * s.FIELDS + s.B_FRESH) > 0.5)
+    return any_of(load(blocks, first_row(index, i, count) + s.B_FRESH) > 0.5)
