@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stiction.core import state
 from stiction.core.contact_space import contact_basis, world_inverse_inertia
-from stiction.core.integrate import gyroscopic
+from stiction.core.integrate import spin_in_contact
 from stiction.core.solve.exact import PUSH_OUT
 from stiction.core.solve.soft import PUSH
 from stiction.core.vec import Quat, mat33, rotation, vec3
@@ -117,15 +117,15 @@ def _masses(store: SoftStore, settings: state.Settings, moving: NDArray[np.int64
     gravity = np.array([settings.gravity_x, settings.gravity_y, settings.gravity_z])
     for k, i in enumerate(moving.tolist()):
         row = store.bodies[i : i + 1]
-        R = rotation(Quat(*row[0, state.ORIENTATION : state.ORIENTATION + 4]))
-        spin = gyroscopic(R, mat33(row, 0, state.INERTIA), vec3(row, 0, state.W), settings.dt)
+        q, w = Quat(*row[0, state.ORIENTATION : state.ORIENTATION + 4]), vec3(row, 0, state.W)
+        free, R = spin_in_contact(q, rotation(q), mat33(row, 0, state.INERTIA), w, settings.dt)
         # R I R^T, as for its inverse
         inertia = np.array(world_inverse_inertia(R, mat33(row, 0, state.INERTIA))).reshape(3, 3)
         mass = row[0, state.MASS]
         blocks[2 * k], blocks[2 * k + 1] = mass * np.eye(3), 0.5 * (inertia + inertia.T)
         force, torque = row[0, state.FORCE : state.FORCE + 3], row[0, state.TORQUE : state.TORQUE + 3]
         f[k, :3] = mass * (row[0, state.V : state.V + 3] + gravity * settings.dt) + force * settings.dt
-        f[k, 3:] = blocks[2 * k + 1] @ np.array(spin) + torque * settings.dt
+        f[k, 3:] = blocks[2 * k + 1] @ np.array(w + free) + torque * settings.dt
     size = 6 * len(moving)
     diagonal = np.arange(2 * len(moving))
     return bsr_array((blocks, diagonal, np.arange(len(blocks) + 1)), shape=(size, size)).tocsc(), f.ravel()

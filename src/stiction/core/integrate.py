@@ -45,6 +45,7 @@ from stiction.core.state import (
     X,
 )
 from stiction.core.vec import (
+    Quat,
     Vec3,
     cross,
     dot,
@@ -57,11 +58,14 @@ from stiction.core.vec import (
     rotation,
     transpose,
     turn,
+    unit,
     vec3,
 )
 
 FAST = 1.2
 """rad: a body that turns by less than twice that in a step turns by the right angle about a changing axis."""
+NO_TURN = 1e-6
+"""rad, turning by less in a step changes nothing that matters."""
 ROOT = 1e-8
 """A step of Newton's method, of what it improves, after which the next one would change nothing: it goes with the
 square."""
@@ -117,6 +121,28 @@ def spin_freely(R, inertia, w, dt):
     if m > 0.0 and close:
         angle = 2.0 * math.atan(0.5 * m * time) / m
     return R @ (middle * angle), w1, True
+
+
+@jit
+def spin_in_contact(q, R, inertia, w, dt):
+    """What contact finds of how a body turns: by how much its spin would change in dt if nothing touched it, world, and
+    its axes in the middle of that time, whose inertia impulses act on.
+
+    With the inertia of the start, and a spin that changes as it looks from the axes of the start, a body that rattles
+    would lose or gain energy and angular momentum of the first order in dt. The mid-point rule and a turn by Cayley's
+    map (:func:`spin_freely`) keep both; the turn is x + 2 (g x x + g x (g x x)) / (1 + g^2), g = m dt / 2.
+    """
+    free = Vec3(0.0, 0.0, 0.0)
+    if dot(w, w) * dt * dt <= NO_TURN * NO_TURN:
+        return free, R
+    w0 = transpose(R) @ w
+    w1, changes = euler(inertia, w0, dt)
+    if changes:
+        g, x = (R @ (w0 + w1)) * (0.25 * dt), R @ w1
+        across = cross(g, x)
+        free = x + (across + cross(g, across)) * (2.0 / (1.0 + dot(g, g))) - w
+    half = w * (0.25 * dt)
+    return free, rotation(unit(Quat(1.0, half.x, half.y, half.z) * q))
 
 
 @jit

@@ -12,11 +12,10 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.broadphase import body_margin, set_bounds
 from stiction.core.contact_space import world_inverse_inertia
-from stiction.core.integrate import gyroscopic, spin_freely
+from stiction.core.integrate import NO_TURN, spin_freely, spin_in_contact
 from stiction.core.jit import jit
 from stiction.core.lanes import load_part, store_part
 from stiction.core.leaning import begin_lean, forget_lean, keep_lean
-from stiction.core.ledger import spin_energy
 from stiction.core.sleep import REST_SPEED
 from stiction.core.state import (
     CENTER,
@@ -53,6 +52,7 @@ from stiction.core.vec import (
     put_vec3,
     quat,
     rotation,
+    transpose,
     turn,
     vec3,
     wide,
@@ -62,8 +62,6 @@ NO_GLIDE, GLIDES, ROLLS, FALLS = range(4)
 """How a body in contact moves within a substep: with its new velocity; along one plane with the mean; also turning
 so; or, if its contacts carry nothing yet, with the mean of what gravity and forces do."""
 
-NO_TURN = 1e-6
-"""rad, turning by less in a step changes nothing that matters."""
 ROUNDING = 1e-14
 """Of a spin energy, by which it may seem to have changed."""
 
@@ -94,13 +92,13 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     put_mat33(aux, r, s.AUX_ROTATION, R)
     aux[r, s.AUX_MASS] = bodies[i, INVERSE_MASS]
     if kinds[i, MOBILITY] == DYNAMIC:
-        # the gyroscopic term acts first, once and implicitly
-        turned = gyroscopic(R, mat33(bodies, i, INERTIA), w, dt) - w
-        I = world_inverse_inertia(R, mat33(bodies, i, INVERSE_INERTIA))
+        # that comes bit by bit, as gravity does
+        free, middle = spin_in_contact(quat(bodies, i, ORIENTATION), R, mat33(bodies, i, INERTIA), w, dt)
+        I = world_inverse_inertia(middle, mat33(bodies, i, INVERSE_INERTIA))
         a, angular = gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS], I @ vec3(bodies, i, TORQUE)
         put_vec3(rows, r, s.ROW_V, a * h)
-        put_vec3(rows, r, s.ROW_W, turned + angular * h)
-        put_vec3(aux, r, s.AUX_OLD_W, turned)
+        put_vec3(rows, r, s.ROW_W, (free * (1.0 / dt) + angular) * h)
+        put_vec3(aux, r, s.AUX_FREE, free)
         put_vec3(aux, r, s.AUX_INERTIA, Vec3(I.xx, I.xy, I.xz))
         put_vec3(aux, r, s.AUX_INERTIA + 3, Vec3(I.yy, I.yz, I.zz))
     else:
@@ -112,10 +110,10 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
             v, w = vec3(bodies, i, V_START), vec3(bodies, i, W_START)
         put_vec3(rows, r, s.ROW_V, (new_v - v) * part)
         put_vec3(rows, r, s.ROW_W, (new_w - w) * part)
-        put_vec3(aux, r, s.AUX_OLD_W, Vec3(0.0, 0.0, 0.0))
         for k in range(s.AUX_MASS, s.AUX_WORK):
             aux[r, k] = 0.0
     put_vec3(aux, r, s.AUX_OLD_V, Vec3(0.0, 0.0, 0.0))
+    put_vec3(aux, r, s.AUX_OLD_W, Vec3(0.0, 0.0, 0.0))
     put_vec3(aux, r, s.AUX_START_V, v)
     put_vec3(aux, r, s.AUX_START_W, w)
     aux[r, s.AUX_WORK] = 0.0
@@ -133,14 +131,17 @@ def move_rows(moving, first, end, glide, normals, rows, aux, h, last):
         new, old = load_part(rows, r, s.ROW_V), load_part(aux, r, s.AUX_OLD_V)
         store_part(rows, r, s.ROW_D, load_part(rows, r, s.ROW_D) + new * h)
         if glide[r] == FALLS:
-            a = Vec3(normals[r, 0], normals[r, 1], normals[r, 2])
+            a = vec3(normals, r, 0)
             put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) - a * (0.5 * h * h))
         elif glide[r] != NO_GLIDE:
-            n = Vec3(normals[r, 0], normals[r, 1], normals[r, 2])
+            n = vec3(normals, r, 0)
             dv = wide(vec3(aux, r, s.AUX_OLD_V) - vec3(rows, r, s.ROW_V))
             dw = wide(vec3(aux, r, s.AUX_OLD_W) - vec3(rows, r, s.ROW_W))
-            put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) + (dv - n * dot(n, dv)) * (0.5 * h))
-            turn = dw if glide[r] == ROLLS else n * dot(n, dw)
+            turn, along = n * dot(n, dw), dot(n, dv)
+            if glide[r] == ROLLS:
+                # what touches goes along n with its new velocity, however the body turns about it
+                turn, along = dw, along + dot(dw, vec3(normals, r, 3))
+            put_vec3(rows, r, s.ROW_D, vec3(rows, r, s.ROW_D) + (dv - n * along) * (0.5 * h))
             put_vec3(rows, r, s.ROW_TURN, vec3(rows, r, s.ROW_TURN) + turn * (0.5 * h))
         if not last:
             store_part(rows, r, s.ROW_V, new + (new - old))
@@ -168,15 +169,30 @@ def finish_contact(bodies, i, pose, rows, aux, dt, ledger):
     bodies[i, FRICTION_WORK] += aux[r, s.AUX_WORK]
     dx, angle = v0 * dt + wide(vec3(rows, r, s.ROW_D)), w0 * dt + wide(vec3(rows, r, s.ROW_TURN))
     keep_lean(bodies, i, aux, angle)
-    turns = dot(angle, angle) > NO_TURN * NO_TURN
-    had = spin_energy(bodies, i) if turns else 0.0
+    R = mat33(pose, r, s.POSE_ROTATION)
     _go(bodies, i, pose, dx, angle, dt)
-    # The passes see the inertia of the start, and what changes its spin within the step turns about another axis than
-    # that of its last spin: a needle that rolled fast would keep its spin and no longer have it along itself.
-    if turns:
-        has = spin_energy(bodies, i)
-        if has > had * (1.0 + ROUNDING):
-            put_vec3(bodies, i, W, w1 * math.sqrt(had / has))
+    if dot(angle, angle) > NO_TURN * NO_TURN:
+        # the turn is a sum over substeps, and not quite the one for which the spin is right
+        now = rotation(quat(bodies, i, ORIENTATION))
+        may, has = spin_energy_after(bodies, i, R, now, w0, w1, wide(vec3(aux, r, s.AUX_FREE)))
+        if has > may * (1.0 + ROUNDING):
+            put_vec3(bodies, i, W, w1 * math.sqrt(max(may, 0.0) / has))
+
+
+@jit
+def spin_energy_after(bodies, i, R, now, w0, w1, free):
+    """Spin energy that body i may have after a step that turned it from the axes R to those of ``now``, and the one
+    that it has, J.
+
+    It had one with w0, and to that comes the work of the torques that changed its spin to w1, beyond the change
+    ``free`` that takes no torque: by the mean of its spins, and of its inertia at both ends.
+    """
+    I = mat33(bodies, i, INERTIA)
+    old, new = transpose(R), transpose(now)
+    mean, change = (w0 + w1) * 0.5, w1 - w0 - free
+    work = 0.5 * (dot(old @ mean, I @ (old @ change)) + dot(new @ mean, I @ (new @ change)))
+    first, last = old @ w0, new @ w1
+    return 0.5 * dot(first, I @ first) + work, 0.5 * dot(last, I @ last)
 
 
 @jit

@@ -20,7 +20,7 @@ from stiction.core.soft_bodies import (
 from stiction.core.soft_scratch import AWAKE, N_AWAKE, STALE
 from stiction.core.solve.soft import NEAR, NOTHING_NEW, QUIET_NEW, SOME_NEW, UNEVEN
 from stiction.core.state import ASLEEP, DYNAMIC, FORCE, INVERSE_MASS, MOBILITY, STATIC, TORQUE
-from stiction.core.vec import Vec3, mat33, vec3
+from stiction.core.vec import Vec3, cross, dot, mat33, put_vec3, vec3
 
 UNDECIDED = -1
 
@@ -86,9 +86,10 @@ def list_touching(kinds, manifolds, meta, pose, active, count, touched, mark, gl
             if not counts or kinds[i, MOBILITY] != DYNAMIC or glide[i] == NO_GLIDE:
                 continue
             if glide[i] == UNDECIDED:
-                normals[i, 0], normals[i, 1], normals[i, 2] = n.x, n.y, n.z
+                put_vec3(normals, i, 0, n)
+                put_vec3(normals, i, 3, cross(vec3(manifolds, row, s.ARM_A if side == 0 else s.ARM_B), n))
                 glide[i] = kind
-            elif glide[i] != kind or abs(n.x * normals[i, 0] + n.y * normals[i, 1] + n.z * normals[i, 2]) < 0.999:
+            elif glide[i] != kind or abs(dot(n, vec3(normals, i, 0))) < 0.999:
                 glide[i] = NO_GLIDE
     return touching
 
@@ -103,7 +104,7 @@ def list_moving(bodies, kinds, touched, touching, glide, normals, gravity, mover
             glide[i] = NO_GLIDE
             if kinds[i, MOBILITY] == DYNAMIC:
                 a = gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS]
-                normals[i, 0], normals[i, 1], normals[i, 2] = a.x, a.y, a.z
+                put_vec3(normals, i, 0, a)
                 glide[i] = FALLS
         if kinds[i, MOBILITY] != STATIC:
             movers[moving] = base + i + 1

@@ -59,9 +59,8 @@ class Desk(NamedTuple):
     looked: np.ndarray  # (p, LOOKED_WIDTH) int32: what was found of each pair of a world; those to be looked at
     active: np.ndarray  # (worlds x m, 4) int32: a, b, slot, place (colouring) of the manifolds with points
     lists: np.ndarray  # (LISTS, worlds x (n + 1)) int64
-    normals: (
-        np.ndarray
-    )  # (worlds x (n + 1), 3) of the plane in which a row glides, or the acceleration with which it falls
+    normals: np.ndarray  # (worlds x (n + 1), 6): n of the plane in which a row glides, and r x n of where it touches,
+    # r from its centre of mass; or, first, the acceleration with which it falls
     ordered: np.ndarray  # (m, 4) int32, scratch: active manifolds in the order of their pieces
     pieces: np.ndarray  # (pieces, PIECE_WIDTH) int64 (pieces.py)
     sizes: np.ndarray  # (pieces, (1 + WAYS) GROUPS) int64: manifolds of each group; where those begin that did alike
@@ -86,7 +85,7 @@ def make_desk(n: int, p: int, m: int, worlds: int = 1, fill: int = NEVER) -> Des
         looked=zeros((p, LOOKED_WIDTH), np.int32),
         active=zeros((worlds * m, 4), np.int32),
         lists=zeros((LISTS, worlds * (n + 1)), np.int64),
-        normals=zeros((worlds * (n + 1), 3)),
+        normals=zeros((worlds * (n + 1), 6)),
         ordered=zeros((m if pieces > 1 else 1, 4), np.int32),
         pieces=np.zeros((pieces, PIECE_WIDTH), np.int64),
         sizes=np.zeros((pieces, (1 + WAYS) * GROUPS), np.int64),

@@ -242,7 +242,12 @@ def turn(q, angle):
     """q after the rotation vector ``angle`` (rad, world axes): the exponential map, for one body only."""
     a = math.sqrt(angle.x * angle.x + angle.y * angle.y + angle.z * angle.z)
     s = 0.5 if a < 1e-10 else math.sin(0.5 * a) / a
-    p = Quat(math.cos(0.5 * a), s * angle.x, s * angle.y, s * angle.z) * q
+    return unit(Quat(math.cos(0.5 * a), s * angle.x, s * angle.y, s * angle.z) * q)
+
+
+@jit
+def unit(p):
+    """The unit quaternion of the same rotation, for one body only."""
     n = 1.0 / math.sqrt(p.w * p.w + p.x * p.x + p.y * p.y + p.z * p.z)
     return Quat(n * p.w, n * p.x, n * p.y, n * p.z)
 
