@@ -175,8 +175,9 @@ def finish_contact(bodies, i, pose, rows, aux, dt, ledger):
         # the turn is a sum over substeps, and not quite the one for which the spin is right
         now = rotation(quat(bodies, i, ORIENTATION))
         may, has = spin_energy_after(bodies, i, R, now, w0, w1, wide(vec3(aux, r, s.AUX_FREE)))
+        may = max(may, 0.0)
         if has > may * (1.0 + ROUNDING):
-            put_vec3(bodies, i, W, w1 * math.sqrt(max(may, 0.0) / has))
+            put_vec3(bodies, i, W, w1 * math.sqrt(may / has))
 
 
 @jit

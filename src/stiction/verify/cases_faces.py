@@ -76,7 +76,7 @@ class DiscEndsTogether(Case):
     tolerance = "1 % (ratio), dt (between the ends)"
     tolerance_reason = (
         "a target: the ratio is driven by that of force and moment, which the fitted limit surface of a disc divides "
-        "so that the ratio at the end is 0.4 % off; ends are seen once a step"
+        "so that the ratio at the end is 0.2 % off; ends are seen once a step"
     )
     solvers = ("soft", "exact")
     SPEED: ClassVar = 3.0
