@@ -93,7 +93,13 @@ def count_colours(sizes):
 def blocks_of_colour(sizes, c):
     """How many blocks so many manifolds of a colour fill."""
     faces, points = sizes[SORTS * c + FACE], sizes[SORTS * c + POINT]
-    return (faces + LANES - 1) // LANES + (points + LANES - 1) // LANES
+    return blocks_for(faces) + blocks_for(points)
+
+
+@jit
+def blocks_for(manifolds):
+    """How many blocks so many manifolds fill that may lie side by side."""
+    return (manifolds + LANES - 1) // LANES
 
 
 @jit
@@ -110,7 +116,7 @@ def count_rows(sizes, blocks):
     """How many rows so many blocks have, whose manifolds are these."""
     points = 0
     for c in range(count_colours(sizes)):
-        points += (sizes[SORTS * c + POINT] + LANES - 1) // LANES
+        points += blocks_for(sizes[SORTS * c + POINT])
     return (blocks - points) * s.FIELDS + points * s.POINT_FIELDS
 
 
@@ -130,7 +136,7 @@ def empty_blocks(sizes, starts, index, count):
             here = starts[k]
             starts[k] = lane
             lane += here
-        blocks = (sizes[group] + LANES - 1) // LANES
+        blocks = blocks_for(sizes[group])
         for i in range(place // LANES, place // LANES + blocks):
             index[i + 4 * count, 0], index[i + 4 * count, 1] = group % SORTS, row
             row += s.POINT_FIELDS if group % SORTS == POINT else s.FIELDS

@@ -263,7 +263,7 @@ def _without_inner(points, corners, least):
     how many are left."""
     k = 0
     while k < corners and corners > 3:
-        i, j, m = FACE + 1 + (k + corners - 1) % corners, FACE + 1 + k, FACE + 1 + _after(k, corners)
+        i, j, m = FACE + (k if k > 0 else corners), FACE + 1 + k, FACE + 1 + _after(k, corners)
         ax, ay = points[j, 3] - points[i, 3], points[j, 4] - points[i, 4]
         bx, by = points[m, 3] - points[j, 3], points[m, 4] - points[j, 4]
         if ax * by - ay * bx < -least:
