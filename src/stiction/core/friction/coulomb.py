@@ -12,7 +12,7 @@ Laws for the same point, so that they can be compared:
                         impulse scaled back onto the cone, which points along K^-1 b and not along the slip
 ``literal_change``      the slides': a case distinction on velocities, whose sliding case is not normalised
 ``secular_friction``    the right one for a normal impulse that is already known (planar block alone)
-``limited_impulse``     the same for numbers and for lanes, in a fixed number of steps
+``limited_impulse``     the same for numbers and for lanes, in a few steps
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import math
 
 from stiction.core.contact_space import maximal_impulse
 from stiction.core.jit import jit
-from stiction.core.lanes import greatest, least, sqrt
+from stiction.core.lanes import any_of, greatest, least, select, sqrt
 from stiction.core.vec import Vec3
 
 NEWTON_STEPS = 30
@@ -29,7 +29,9 @@ CONVERGED = 1e-13
 LIMITED_STEPS = 4
 """They leave 3e-5 rad of the direction where one tangent is thirty times as heavy as the other, and on the average of
 such points 3e-9."""
-TINY = 1e-30
+CLOSE = 1e-6
+"""Of the limit. From there the direction is as good as single precision."""
+TINY, LEAST_AIM = 1e-30, 1e-14
 
 
 @jit
@@ -122,28 +124,31 @@ def secular_friction(k11, k12, k22, b1, b2, limit):
 
 @jit
 def limited_impulse(kuu, kuv, kvv, bu, bv, limit):
-    """The planar impulse K^-1 b, or that of size ``limit`` if this is less: as :func:`secular_friction`, in a fixed
-    number of steps and without a branch.
+    """The planar impulse K^-1 b, or that of size ``limit`` if this is less: as :func:`secular_friction`, for lanes too,
+    and in no more than a fixed number of steps.
 
-    They begin where |b| = limit (largest eigenvalue + alpha), which is never too far: so alpha only grows.
+    They begin where |b| = limit (largest eigenvalue + alpha), which is never too far: so alpha only grows, until |g| is
+    CLOSE to the limit. A lane that has come there stays, so that it does not matter who else goes on.
     """
     middle, half = 0.5 * (kuu + kvv), 0.5 * (kuu - kvv)
     largest = middle + sqrt(half * half + kuv * kuv)
     size = sqrt(bu * bu + bv * bv)
-    alpha = greatest(size / greatest(limit, 1e-6 * size / (largest + TINY) + TINY) - largest, 0.0)
-    for _ in range(LIMITED_STEPS):
+    aim = greatest(limit, 1e-6 * size / (largest + TINY) + LEAST_AIM)
+    alpha = greatest(size / aim - largest, 0.0)
+    gu, gv = bu, bv
+    for k in range(LIMITED_STEPS + 1):
         a, c = kuu + alpha, kvv + alpha
         det = 1.0 / greatest(a * c - kuv * kuv, TINY)
         gu, gv = (c * bu - kuv * bv) * det, (a * bv - kuv * bu) * det
         size2 = gu * gu + gv * gv + TINY
         size = sqrt(size2)
+        going = size > aim * (1.0 + CLOSE)
+        if k == LIMITED_STEPS or not any_of(going):
+            break
         du, dv = (c * gu - kuv * gv) * det, (a * gv - kuv * gu) * det
-        step = size2 / (gu * du + gv * dv + TINY) * (size - limit) / greatest(limit, 1e-6 * size + TINY)
-        alpha = greatest(alpha + step, 0.0)
-    a, c = kuu + alpha, kvv + alpha
-    det = 1.0 / greatest(a * c - kuv * kuv, TINY)
-    gu, gv = (c * bu - kuv * bv) * det, (a * bv - kuv * bu) * det
-    scale = least(limit / sqrt(gu * gu + gv * gv + TINY), 1.0)
+        step = size2 / (gu * du + gv * dv + TINY) * (size - aim) / aim
+        alpha = select(going, alpha + step, alpha)
+    scale = least(limit / size, 1.0)
     return gu * scale, gv * scale
 
 

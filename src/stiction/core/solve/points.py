@@ -31,8 +31,10 @@ from stiction.core.solve.blocks import (
 from stiction.core.solve.idle import belt_now, keeps_state, leave_open
 from stiction.core.solve.soft import (
     BEYOND_DOUBT,
+    ENOUGH,
     GRACE,
     NEAR,
+    NEARLY,
     OVERLOAD,
     SWEEPS,
     TOUCHES,
@@ -184,7 +186,7 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
         # normals
         error = v.x - (K.xy * expected.x + K.xz * expected.y) - aim - gamma * lam
         if sweep > 0:
-            going = going & has_error(error, lam)
+            going = going & has_error(error, lam, ENOUGH + NEARLY * K.xx * lam)
             if not any_of(going):
                 break
         new = greatest(lam + normal * error, 0.0)

@@ -54,7 +54,9 @@ limit a noisy one, though not that noisy."""
 GRACE, BEYOND_DOUBT = 1.3, 1.69
 """How far beyond the limit friction may go in a cold pass, and its square."""
 ENOUGH = 1e-6
-"""m/s, error of the normals that ends the sweeps."""
+"""m/s, error of the normals that ends the sweeps, ..."""
+NEARLY = 0.01
+"""... besides this part of what their load does: the next substep goes on from there."""
 UNEVEN = 30.0
 """Ratio of masses of two bodies on top of each other from which on a world takes twice the substeps: what the light one
 carries sinks by load / (light mass omega^2), and omega h is bounded."""
@@ -285,8 +287,9 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         )  # fmt: skip
         if sweep > 0:
             # which lanes go on must not depend on what else is in their block: the others are masked
-            going = going & (has_error(error.a, lam.a) | has_error(error.b, lam.b) | has_error(error.c, lam.c)
-                             | has_error(error.d, lam.d))  # fmt: skip
+            enough = ENOUGH + NEARLY * Kvv.xx * (lam.a + lam.b + lam.c + lam.d)
+            going = going & (has_error(error.a, lam.a, enough) | has_error(error.b, lam.b, enough)
+                             | has_error(error.c, lam.c, enough) | has_error(error.d, lam.d, enough))  # fmt: skip
             if not any_of(going):
                 break
         wanted = times4(inverse, error)
@@ -408,9 +411,9 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
 
 
 @jit
-def has_error(error, lam):
+def has_error(error, lam, enough):
     """Whether a point closes too fast, or carries a load and does not close as it should."""
-    return (error > ENOUGH) | ((error < -ENOUGH) & (lam > 0.0))
+    return (error > enough) | ((error < -enough) & (lam > 0.0))
 
 
 @jit
