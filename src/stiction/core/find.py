@@ -8,8 +8,9 @@ from stiction.core.apart import as_hint, hint_of, is_due, look_of, margin_of, se
 from stiction.core.collide.manifold import forget_face
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.colouring import way_of
+from stiction.core.going_on import is_kept, rolls_on
 from stiction.core.jit import jit
-from stiction.core.manifolds import is_kept, refresh_manifold, take_points
+from stiction.core.manifolds import refresh_manifold, take_points
 from stiction.core.pairs import DUE, PAIR_A, PAIR_B, SLOT, is_sensed
 from stiction.core.sleep import wake_island
 from stiction.core.slots import DUE_LIST, FOUND, LOST, NOTHING, WANTS
@@ -49,11 +50,13 @@ def update_manifolds(
                 ask_for_row(meta, soon, s.META_WIDTH, DOUBLE)
                 ask_for_row(manifolds, soon, s.MANIFOLD_WIDTH, SINGLE)
                 ask_for_row(reports, soon, s.REPORT_WIDTH, SINGLE)
+                ask_for(soft.corners, soon, 0)
                 ask_for(pose, other + 1, s.POSE_ROTATION)
                 ask_for(bodies, other, POSITION)
                 ask_for(bodies, other, SIZE)
-            if row == 0 or not is_kept(a, b, pose, meta, row):
-                needed = margin_of(pose, kinds, a, b)
+            kept = row > 0 and is_kept(kinds, a, b, pose, manifolds, meta, row)
+            needed = margin_of(pose, kinds, a, b)
+            if not kept and not (row > 0 and rolls_on(kinds, a, b, pose, manifolds, meta, soft.corners, row, needed)):
                 margin = needed + look_of(pose, kinds, a, b)
                 if row > 0 and meta[row, s.POINTS] > 0.0:
                     hint = as_hint(pose, kinds, a, b, meta[row, s.MADE], vec3(manifolds, row, s.NORMAL_A))

@@ -1,8 +1,8 @@
 """Manifolds: the contact points of a pair as the soft solver keeps them, and when they are looked for again.
 
 A manifold is made from the contact points of the narrow phase and lives in the two bodies' own frames. While the bodies
-have moved against each other by less than a tolerance it is kept: separations follow from the bodies' poses to second
-order, and the narrow phase is not run. Impulses go over to a new set of points by feature, else by place.
+have hardly moved against each other it is kept or taken along (``going_on.py``), and the narrow phase is not run.
+Impulses go over to a new set of points by feature, else by place.
 
 The points stand counterclockwise around the normal. The frame (n, u, v) of a manifold has u along the longer principal
 axis of its face (``faces.py``); in a step it is turned to the axes of the pressure (``solve/blocks.py``).
@@ -13,8 +13,10 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
-from stiction.core.apart import smaller_reach
+from stiction.core.apart import FARTHEST
+from stiction.core.contact_space import contact_basis
 from stiction.core.faces import measure_face, order_points
+from stiction.core.going_on import carry_pull, keep_radii, lead_of, limit_of, put_frame
 from stiction.core.jit import jit
 from stiction.core.state import (
     CAPSULE,
@@ -41,22 +43,15 @@ from stiction.core.state import (
     V,
     W,
 )
-from stiction.core.vec import Vec3, cross, dot, length, mat33, put_vec3, transpose, vec3
+from stiction.core.vec import Vec3, column, cross, dot, length, mat33, put_vec3, transpose, vec3
 
-KEPT = 5e-4
-"""m, a patch of three or four points is kept while the bodies have moved by less, or a five-hundredth of the
-smaller."""
-KEPT_PART = 0.002
-STILL = 1e-9
-"""m, the same for one or two points, whose normal would turn with a body that rolls; or a part of the smaller one."""
-STILL_PART = 1e-3
 SAME_PLACE = 0.1
 """Of the patch's size: a point without a partner of the same feature inherits from the nearest old one this close."""
 NOWHERE = 1e3
 """m, separation of a point that is not there: never near."""
 FLAT = 1e-4
 """Of the size of a face: points whose separations differ by less are equally far."""
-UNKNOWN = -1.0
+NOWHERE_YET = -1.0
 """What PLACED says of a manifold that was not there in the step before, or had other points."""
 TOUCHED = 1e-6
 """m, half of a gap that makes no difference to where friction acts."""
@@ -82,13 +77,6 @@ def clear_manifold(manifolds, meta, reports, row):
 
 
 @jit
-def is_kept(a, b, pose, meta, row):
-    """Whether the narrow phase would find the points that the manifold already has."""
-    moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION] - meta[row, s.MADE]
-    return meta[row, s.POINTS] > 0.0 and moved <= meta[row, s.LIMIT]
-
-
-@jit
 def take_points(
     bodies, kinds, a, b, soft, row, contacts, tags, found, points, table, slow
 ):  # fmt: skip
@@ -97,7 +85,8 @@ def take_points(
     ``points`` is the scratch of the narrow phase, which may hold the whole face.
     """
     manifolds, meta, reports, pose = soft.manifolds, soft.meta, soft.reports, soft.pose
-    meta[row, s.MADE] = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
+    moved, before = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION], meta[row, s.MADE]
+    meta[row, s.MADE] = moved
     Ra, Rb = mat33(pose, a + 1, s.POSE_ROTATION), mat33(pose, b + 1, s.POSE_ROTATION)
     xa, xb = vec3(pose, a + 1, s.POSE_X), vec3(pose, b + 1, s.POSE_X)
     n = vec3(contacts, 0, NORMAL)
@@ -111,15 +100,26 @@ def take_points(
             bodies, kinds, a, b, contacts, found, transpose(Ra) @ n, transpose(Rb) @ n
         )
 
-    fresh = meta[row, s.POINTS] == 0
+    meta[row, s.LEAD] = lead_of(points, found, limit_of(pose, kinds, a, b))
     same = meta[row, s.POINTS] == found
     for k in range(found):
         same &= meta[row, s.FEATURES + k] == tags[k, FEATURE]
+    old_center = xa + Ra @ vec3(meta, row, s.ANCHOR_A)
+    # most points are the ones of the step before, and no body has been edited
+    if same and found == 1 and moved - before <= FARTHEST:
+        manifolds[row, s.GAP] = contacts[0, SEPARATION] - reports[row, s.LIFT]
+        u = column(contact_basis(n), 1)
+        if meta[row, s.LEAD] > 0.0:
+            keep_radii(points, n, u, soft.corners, row)
+        carry_pull(manifolds, row, old_center - center, n)
+        put_frame(manifolds, meta, row, Ra, Rb, center - xa, center - xb, n, u)
+        return
+
+    fresh = meta[row, s.POINTS] == 0
     if found > 2:
         reports[row, s.HELD] = 0.0
     elif not same:
-        meta[row, s.PLACED] = UNKNOWN
-    old_center = xa + Ra @ vec3(meta, row, s.ANCHOR_A)
+        meta[row, s.PLACED] = NOWHERE_YET
     old_u = Ra @ vec3(manifolds, row, s.TANGENT_A)
     old_v = cross(Ra @ vec3(manifolds, row, s.NORMAL_A), old_u)
     old_x = (
@@ -181,11 +181,7 @@ def take_points(
                 else:
                     l3 = carried
     if not fresh:
-        # the torque about the normal belongs to the anchor
-        pull = vec3(manifolds, row, s.PULL)
-        manifolds[row, s.SPIN] += dot(cross(old_center - center, pull), n)
-        normal_part = dot(pull, n)
-        put_vec3(manifolds, row, s.PULL, pull - n * normal_part)
+        carry_pull(manifolds, row, old_center - center, n)
 
     for k in range(4):
         here = k < found
@@ -195,14 +191,9 @@ def take_points(
     manifolds[row, s.LOAD + 2], manifolds[row, s.LOAD + 3] = l2, l3
     meta[row, s.POINTS] = found
     meta[row, s.RISE] = rise_of(contacts, found, center, n, spread2)
-    smaller = smaller_reach(pose, kinds, a, b)
-    meta[row, s.LIMIT] = min(KEPT, KEPT_PART * smaller) if found >= 3 else min(STILL, STILL_PART * smaller)
-    put_vec3(manifolds, row, s.NORMAL_A, transpose(Ra) @ n)
-    put_vec3(manifolds, row, s.TANGENT_A, transpose(Ra) @ u)
-    put_vec3(manifolds, row, s.NORMAL_B, transpose(Rb) @ n)
-    put_vec3(manifolds, row, s.TANGENT_B, transpose(Rb) @ u)
-    put_vec3(meta, row, s.ANCHOR_A, transpose(Ra) @ (center - xa))
-    put_vec3(meta, row, s.ANCHOR_B, transpose(Rb) @ (center - xb))
+    if meta[row, s.LEAD] > 0.0:
+        keep_radii(points, n, u, soft.corners, row)
+    put_frame(manifolds, meta, row, Ra, Rb, center - xa, center - xb, n, u)
     set_coefficients(kinds, table, a, b, manifolds, meta, row)
     if fresh:
         spread = math.sqrt(spread2)
@@ -330,11 +321,12 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, aux, r
         if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
             put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
         else:
-            keep_place(manifolds, meta, reports, row, mat33(pose, a + 1, s.POSE_ROTATION), dt)
+            limit = limit_of(pose, kinds, a, b)
+            keep_place(manifolds, reports, row, mat33(pose, a + 1, s.POSE_ROTATION), CREEP * limit, dt)
         return
     moved = pose[a + 1, s.POSE_MOTION] + pose[b + 1, s.POSE_MOTION]
     if moved != meta[row, s.PLACED]:  # a step may be begun twice
-        fresh = meta[row, s.PLACED] == UNKNOWN
+        fresh = meta[row, s.PLACED] == NOWHERE_YET
         meta[row, s.PLACED] = moved
         ahead_a, ahead_b = go_on(reports, row, s.HERE_A, arm_a, fresh), go_on(reports, row, s.HERE_B, arm_b, fresh)
         # where a turntable is in the middle is told by how its velocity drifts
@@ -392,11 +384,12 @@ def load_along_normal(manifolds, meta, pose, a, row):
 
 
 @jit
-def keep_place(manifolds, meta, reports, row, Ra, dt):
+def keep_place(manifolds, reports, row, Ra, creep, dt):
     """Pull a face that sticks back to where it took hold: as a velocity of the surface of a, by a part a step.
 
     What rounding makes creep, 1e-6 m in ten minutes, so stays where it is for hours. Friction has to give that pull as
-    any other, so it lets go at the same force. The place is kept in the axes of a.
+    any other, so it lets go at the same force. The place is kept in the axes of a; what is farther than ``creep`` (m)
+    from it takes hold anew.
     """
     shift = vec3(manifolds, row, s.SHIFT)
     back = Vec3(0.0, 0.0, 0.0)
@@ -407,14 +400,16 @@ def keep_place(manifolds, meta, reports, row, Ra, dt):
     if not lies:
         reports[row, s.HELD] = 0.0
     else:
-        n = Ra @ vec3(manifolds, row, s.NORMAL_A)
         off = shift - Ra @ vec3(reports, row, s.PLACE)
+        n = Ra @ vec3(manifolds, row, s.NORMAL_A)
         off = off - n * dot(n, off)
-        if reports[row, s.HELD] > 0.0 and length(off) < CREEP * meta[row, s.LIMIT]:
-            back = off * (-PULL_BACK / dt)
-        else:
+        if reports[row, s.HELD] == 0.0 or length(off) > creep:
             reports[row, s.HELD] = 1.0
             put_vec3(reports, row, s.PLACE, transpose(Ra) @ shift)
+            # the place as it was rounded, for a step may be begun twice
+            off = shift - Ra @ vec3(reports, row, s.PLACE)
+            off = off - n * dot(n, off)
+        back = off * (-PULL_BACK / dt)
     put_vec3(manifolds, row, s.BELT, back)
 
 

@@ -49,6 +49,10 @@ def _starts(*widths: int) -> list[int]:
 CORNER_U, CORNER_V, CORNERS_WIDTH = 0, 8, 16
 """Columns of the corners of faces that have more than four, (m, CORNERS_WIDTH), m: few do, so they lie apart."""
 
+RADII_A, RADII_B = 0, 4
+"""Columns in their place of manifolds of one or two points, how the bodies are curved there: 4 + 4, a direction in the
+plane (cosine and sine from the first tangent), the radius of curvature along it and across it, m."""
+
 FOUR, EIGHT, ELLIPSE = 0.0, 1.0, 2.0
 """Kinds of a face: the places of the points are its corners; it has its own; it is an ellipse."""
 
@@ -65,11 +69,11 @@ PLACE, HELD = HERE_A, HERE_B
 OLD, NEW, QUIET = 0.0, 1.0, 2.0
 """What FRESH says of a manifold: made before this step; in it; in it, and its bodies hardly move against each other."""
 
-(MADE, LIMIT, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, SIZE2, RESTITUTION, RISE, META_WIDTH) = _starts(
+(MADE, LEAD, POINTS, FEATURES, ANCHOR_A, ANCHOR_B, PLACED, SIZE2, RESTITUTION, RISE, META_WIDTH) = _starts(
     1, 1, 1, 4, 3, 3, 1, 1, 1, 1
 )
 """Columns of what a manifold keeps in float64: how far both bodies had moved when it was made, m; how far they
-may move until it is made anew, m; how many points and their features (whole numbers);
+may move against each other until the narrow phase has to be run, m; how many points and their features (whole numbers);
 the anchor in the axes of a and of b, from their centres of mass, m; how far both bodies had moved when the arms were
 computed last, m; mean square distance of the points from the anchor, m^2;
 the pair's coefficient of restitution; by how much points lie higher along the normal where they are further apart."""

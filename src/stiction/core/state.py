@@ -148,8 +148,14 @@ class Settings(NamedTuple):
 
 FACE, LARGEST_FACE = 144, 16
 """Row of the scratch whose first number says how many corners of a face stand in the rows after it; at most so many."""
-SCRATCH = FACE + 1 + LARGEST_FACE
-"""Rows that the narrow phase needs to work in: two buffers of 64 points, spare, and a face."""
+RADII = FACE + 1 + LARGEST_FACE
+"""The row that says how the first body is curved where the pair touches with one or two points, and the next one, the
+second: a direction, the radius along it, or less than 0 if nothing is known, and across it."""
+LEAD = RADII + 2
+"""The row whose first number says how far that is from where the bodies have other features, m."""
+SCRATCH = LEAD + 1
+"""Rows that the narrow phase needs to work in: two buffers of 64 points, spare, a face, and what is known of one or two
+points."""
 
 
 def make_bodies(n: int) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from stiction.core.collide.manifold import emit, reduce
+from stiction.core.collide.manifold import ENDLESS, emit, put_lead, put_radii, reduce
 from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, cross, dot, rotation, transpose
 
@@ -114,13 +114,21 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
         # the edges are clearly nearer, or no corner of the one box lies over the face of the other
         if edge >= 0 and best_edge >= best_face - slack:
             crossing, count = _edge_edge(
-                contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge, apart
+                contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, edge_normal, best_edge, edge, apart, points
             )
             if crossing:
                 return count, edge_normal, best_edge
         if apart:
             otherwise = face_normal if best_face >= best_edge else edge_normal
             return _corner(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, margin, otherwise, best)
+    if found <= 2:
+        # corners and edges, which have no radius across the face either
+        put_radii(points, (face < 3) == (a < b), face_normal, ENDLESS, ENDLESS)
+        put_radii(points, (face < 3) == (b < a), face_normal, 0.0, 0.0)
+        if face < 3:
+            put_lead(points, _inside(pa, Ra, ha, face, found, points))
+        else:
+            put_lead(points, _inside(pb, Rb, hb, face - 3, found, points))
     for i in range(found):
         p = Vec3(points[i, 0], points[i, 1], points[i, 2])
         count = emit(contacts, tags, count, a, b, p, face_normal, points[i, 3], int(points[i, 4]))
@@ -128,7 +136,7 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
 
 
 @jit
-def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, separation, axis, apart):
+def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, separation, axis, apart, points):
     """The nearest points of the two edges whose cross product is the normal.
 
     Returns whether they cross, and the new count. If the boxes are apart, the lines may pass each other beyond an end
@@ -153,9 +161,21 @@ def _edge_edge(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, normal, sepa
     s = min(max(s, -_get(ha, i)), _get(ha, i))
     t = min(max(t, -_get(hb, j)), _get(hb, j))
     point = (qa + u * s + qb + v * t) * 0.5
+    put_radii(points, a < b, u, ENDLESS, 0.0)
+    put_radii(points, b < a, v, ENDLESS, 0.0)
+    # as collide.curved says: to the next edge of either box, and to the ends of these
+    lead = min(_next_edge(ha, na, i), _next_edge(hb, nb, j))
+    put_lead(points, max(min(lead, min(_get(ha, i) - abs(s), _get(hb, j) - abs(t))), 0.0))
     # which of the four parallel edges of either box: the signs of its corner, less that along the edge
     edges = (_octant(sa) & ~(1 << i)) << 3 | (_octant(sb) & ~(1 << j))
     return True, emit(contacts, tags, count, a, b, point, normal, separation, axis << 8 | edges)
+
+
+@jit
+def _next_edge(half, n, i):
+    """Half of how much less far the next parallel of an edge along axis i reaches along n."""
+    y, z = (i + 1) % 3, (i + 2) % 3
+    return min(_get(half, y) * abs(_get(n, y)), _get(half, z) * abs(_get(n, z)))
 
 
 @jit
@@ -255,3 +275,14 @@ def _clip(pr, Rr, hr, k, n, pi, Ri, hi, margin, points, axis):
             points[touching, 3], points[touching, 4] = separation, feature
             touching += 1
     return touching
+
+
+@jit
+def _inside(p, R, half, k, found, points):
+    """How far the first ``found`` points are within the border of face k of a box, m."""
+    i, j = (k + 1) % 3, (k + 2) % 3
+    least = math.inf
+    for c in range(found):
+        d = Vec3(points[c, 0] - p.x, points[c, 1] - p.y, points[c, 2] - p.z)
+        least = min(least, min(_get(half, i) - abs(dot(d, column(R, i))), _get(half, j) - abs(dot(d, column(R, j)))))
+    return max(least, 0.0)

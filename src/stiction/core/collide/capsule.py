@@ -62,7 +62,7 @@ def capsule_capsule(contacts, tags, count, a, A, b, B, origin, hulls, margin, po
         longer = u if length(u) > length(v) else v
         n = n * (1.0 / size) if size > 1e-9 * length(u) * length(v) else perpendicular(longer)
         n = n * math.copysign(1.0, dot(n, B.p - A.p))
-    found = clip_lines(A, B, n, separation, hulls, margin, points)
+    found = clip_lines(A, B, n, separation, a < b, hulls, margin, points)
     for i in range(found):
         count = emit(contacts, tags, count, a, b, origin + vec3(points, i, 0), n, points[i, 3], int(points[i, 4]))
     if found == 0:

@@ -20,7 +20,7 @@ from stiction.core.collide.hulls import (
     two_best,
     vertex,
 )
-from stiction.core.collide.manifold import ROUND
+from stiction.core.collide.manifold import ENDLESS, ROUND, put_radii
 from stiction.core.jit import inlined, jit
 from stiction.core.vec import Vec3, column, cross, dot, length, put_vec3, transpose, vec3
 
@@ -195,11 +195,11 @@ def _line(X, hulls, n):
 
 
 @jit
-def clip_lines(A, B, n, sigma, hulls, margin, points):
+def clip_lines(A, B, n, sigma, first, hulls, margin, points):
     """The ends of what two nearly parallel lines have in common, if they touch along it; returns their number, 0 or 2.
 
     ``sigma`` is the separation of the shapes: lines that come nearest somewhere between the ends do not count. Feature:
-    the edges, and whose end it is.
+    the edges, and whose end it is. ``first``: whether A is the first body of the pair.
     """
     one, p, q, ra, ea = _line(A, hulls, n)
     if not one:
@@ -232,4 +232,9 @@ def clip_lines(A, B, n, sigma, hulls, margin, points):
             points[found, 3] = separation
             points[found, 4] = base | ((0 if own else 2) + ((k if s1 > s0 else 1 - k) if not own else k))
             found += 1
-    return found if best <= sigma + 0.01 * min(A.small, B.small) else 0
+    if best > sigma + 0.01 * min(A.small, B.small):
+        return 0
+    # along the lines the normal follows A
+    put_radii(points, first, e, ENDLESS, ra)
+    put_radii(points, not first, e, 0.0, rb)
+    return found

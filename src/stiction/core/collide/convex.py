@@ -17,6 +17,7 @@ import math
 
 from stiction.core.collide.capsule import perpendicular
 from stiction.core.collide.clip import clip_face, clip_lines
+from stiction.core.collide.curved import feature_at, inside_of, radii_over_face
 from stiction.core.collide.directions import (
     LEAST_LIFT,
     LIFT,
@@ -29,10 +30,10 @@ from stiction.core.collide.directions import (
 )
 from stiction.core.collide.ellipsoid import is_smooth, sharpen
 from stiction.core.collide.gjk import closest
-from stiction.core.collide.hulls import NOTHING, POINT, face_below, number_of_two, support
-from stiction.core.collide.manifold import emit, reduce
+from stiction.core.collide.hulls import NOTHING, POINT, face_below, support
+from stiction.core.collide.manifold import ENDLESS, emit, put_lead, put_radii, reduce
 from stiction.core.jit import jit
-from stiction.core.vec import Vec3, column, dot, length, transpose, vec3
+from stiction.core.vec import Vec3, column, dot, length, vec3
 
 FACE_PREFERENCE = 0.005
 """Two edges must be better than the best face by this part of the least half width."""
@@ -143,35 +144,19 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
         if sigma - r > margin:
             return count, n, sigma - r
         if (apart or round_one) and A.hull != POINT:
-            found = clip_lines(A, B, n, sigma - r, hulls, margin, points)
+            found = clip_lines(A, B, n, sigma - r, a < b, hulls, margin, points)
+    elif found <= 2:
+        put_radii(points, (owner == 0) == (a < b), n, ENDLESS, ENDLESS)
+        radii_over_face(X, out, found, (owner == 1) == (a < b), points)
+        put_lead(points, inside_of(F, face, out, found, hulls, points))
     for i in range(found):
         count = emit(contacts, tags, count, a, b, origin + vec3(points, i, 0), normal, points[i, 3], int(points[i, 4]))
     if found == 0:
         point = (wa + n * A.radius + wb - n * B.radius) * 0.5
         if feature < 0:
-            feature = (1 << 36) | (_feature(A, hulls, n) << 18) | _feature(B, hulls, -n)
+            fa, lead_a = feature_at(A, hulls, n, wa, a < b, points)
+            fb, lead_b = feature_at(B, hulls, -n, wb, b < a, points)
+            put_lead(points, min(lead_a, lead_b))
+            feature = (1 << 36) | (fa << 18) | fb
         count = emit(contacts, tags, count, a, b, origin + point, n, sigma - r, feature)
     return count, n, sigma - r
-
-
-@jit
-def _feature(X, hulls, n):
-    """The vertex, or the first two, or the part of a cylinder, that reaches farthest along n."""
-    m, s = transpose(X.R) @ n, X.scale
-    if X.round:
-        return 0 if m.z > 1e-6 else (1 if m.z < -1e-6 else 2)
-    m = Vec3(m.x * s.x, m.y * s.y, m.z * s.z)
-    v = hulls.vertices
-    first, number = hulls.spans[X.hull, 0], hulls.spans[X.hull, 1]
-    high = -math.inf
-    for i in range(first, first + number):
-        high = max(high, m.x * v[i, 0] + m.y * v[i, 1] + m.z * v[i, 2])
-    high -= 1e-6 * X.small
-    one, other = -1, -1
-    for i in range(first, first + number):
-        if m.x * v[i, 0] + m.y * v[i, 1] + m.z * v[i, 2] >= high:
-            if one < 0:
-                one = i - first
-            elif other < 0:
-                other = i - first
-    return number_of_two(max(one, 0), other if other >= 0 else max(one, 0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from stiction.core.jit import inlined, jit
-from stiction.core.state import BODY_A, BODY_B, FACE, FEATURE, LARGEST_FACE, NORMAL, POINT, SEPARATION
+from stiction.core.state import BODY_A, BODY_B, FACE, FEATURE, LARGEST_FACE, LEAD, NORMAL, POINT, RADII, SEPARATION
 from stiction.core.vec import Vec3, cross, dot, put_vec3
 
 POINTS = 4
@@ -15,6 +15,8 @@ SAME_DEPTH = 0.01
 """Separations that differ by less than this part of the patch's size are the same."""
 SAME_PLACE2 = 1e-4
 """Points nearer than the root of this part of it are in the same place."""
+ENDLESS, UNKNOWN = math.inf, -1.0
+"""Radii of curvature of what is flat, and of what it is not known of."""
 ROUND = 1 << 40
 """Bit of the feature of four points that stand for a whole disc: they lie on its rim, 90 degrees apart."""
 
@@ -92,9 +94,28 @@ def reduce(points, n, normal):
 
 @jit
 def forget_face(points):
-    """Before a pair is looked at: no face is known of it."""
-    if points.shape[0] > FACE:
+    """Before a pair is looked at: no face is known of it, nor how it is curved."""
+    if points.shape[0] > RADII:
         points[FACE, 0] = 0.0
+        points[RADII, 3] = UNKNOWN
+        points[LEAD, 0] = 0.0
+
+
+@inlined
+def put_radii(points, first, direction, along, across):
+    """Remember how the first body of a pair is curved where it touches, or the second: the radius in a ``direction`` of
+    its surface (world axes) and across it, m; ``ENDLESS`` of what is flat."""
+    if points.shape[0] > RADII:
+        row = RADII if first else RADII + 1
+        put_vec3(points, row, 0, direction)
+        points[row, 3], points[row, 4] = along, across
+
+
+@inlined
+def put_lead(points, lead):
+    """Remember how far the bodies may move against each other until they touch with other features, m."""
+    if points.shape[0] > LEAD:
+        points[LEAD, 0] = lead
 
 
 @jit
