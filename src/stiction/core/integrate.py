@@ -141,8 +141,14 @@ def spin_in_contact(q, R, inertia, w, dt):
         g, x = (R @ (w0 + w1)) * (0.25 * dt), R @ w1
         across = cross(g, x)
         free = x + (across + cross(g, across)) * (2.0 / (1.0 + dot(g, g))) - w
+    return free, half_way(q, w, dt)
+
+
+@jit
+def half_way(q, w, dt):
+    """The axes of a body in the middle of the time dt in which it turns with spin w, by Cayley's map."""
     half = w * (0.25 * dt)
-    return free, rotation(unit(Quat(1.0, half.x, half.y, half.z) * q))
+    return rotation(unit(Quat(1.0, half.x, half.y, half.z) * q))
 
 
 @jit

@@ -12,7 +12,7 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.broadphase import body_margin, set_bounds
 from stiction.core.contact_space import world_inverse_inertia
-from stiction.core.integrate import NO_TURN, spin_freely, spin_in_contact
+from stiction.core.integrate import NO_TURN, half_way, spin_freely, spin_in_contact
 from stiction.core.jit import jit
 from stiction.core.lanes import load_part, store_part
 from stiction.core.leaning import begin_lean, forget_lean, keep_lean
@@ -169,30 +169,31 @@ def finish_contact(bodies, i, pose, rows, aux, dt, ledger):
     bodies[i, FRICTION_WORK] += aux[r, s.AUX_WORK]
     dx, angle = v0 * dt + wide(vec3(rows, r, s.ROW_D)), w0 * dt + wide(vec3(rows, r, s.ROW_TURN))
     keep_lean(bodies, i, aux, angle)
-    R = mat33(pose, r, s.POSE_ROTATION)
+    R, q = mat33(pose, r, s.POSE_ROTATION), quat(bodies, i, ORIENTATION)
     _go(bodies, i, pose, dx, angle, dt)
     if dot(angle, angle) > NO_TURN * NO_TURN:
         # the turn is a sum over substeps, and not quite the one for which the spin is right
         now = rotation(quat(bodies, i, ORIENTATION))
-        may, has = spin_energy_after(bodies, i, R, now, w0, w1, wide(vec3(aux, r, s.AUX_FREE)))
+        middle = half_way(q, w0, dt)
+        may, has = spin_energy_after(bodies, i, R, middle, now, w0, w1, wide(vec3(aux, r, s.AUX_FREE)))
         may = max(may, 0.0)
         if has > may * (1.0 + ROUNDING):
             put_vec3(bodies, i, W, w1 * math.sqrt(may / has))
 
 
 @jit
-def spin_energy_after(bodies, i, R, now, w0, w1, free):
+def spin_energy_after(bodies, i, R, middle, now, w0, w1, free):
     """Spin energy that body i may have after a step that turned it from the axes R to those of ``now``, and the one
     that it has, J.
 
     It had one with w0, and to that comes the work of the torques that changed its spin to w1, beyond the change
-    ``free`` that takes no torque: by the mean of its spins, and of its inertia at both ends.
+    ``free`` that takes no torque: by the mean of its spins, and the inertia of the ``middle`` that impulses acted on.
+    That is what contact has taken from others or from the way of the body, and so no more than there was.
     """
     I = mat33(bodies, i, INERTIA)
-    old, new = transpose(R), transpose(now)
-    mean, change = (w0 + w1) * 0.5, w1 - w0 - free
-    work = 0.5 * (dot(old @ mean, I @ (old @ change)) + dot(new @ mean, I @ (new @ change)))
-    first, last = old @ w0, new @ w1
+    half = transpose(middle)
+    work = dot(half @ ((w0 + w1) * 0.5), I @ (half @ (w1 - w0 - free)))
+    first, last = transpose(R) @ w0, transpose(now) @ w1
     return 0.5 * dot(first, I @ first) + work, 0.5 * dot(last, I @ last)
 
 
