@@ -118,7 +118,8 @@ def _masses(store: SoftStore, settings: state.Settings, moving: NDArray[np.int64
     for k, i in enumerate(moving.tolist()):
         row = store.bodies[i : i + 1]
         q, w = Quat(*row[0, state.ORIENTATION : state.ORIENTATION + 4]), vec3(row, 0, state.W)
-        free, R = spin_in_contact(q, rotation(q), mat33(row, 0, state.INERTIA), w, settings.dt)
+        tensors = mat33(row, 0, state.INERTIA), mat33(row, 0, state.INVERSE_INERTIA)
+        free, R = spin_in_contact(q, rotation(q), *tensors, w, settings.dt)
         # R I R^T, as for its inverse
         inertia = np.array(world_inverse_inertia(R, mat33(row, 0, state.INERTIA))).reshape(3, 3)
         mass = row[0, state.MASS]

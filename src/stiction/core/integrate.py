@@ -47,6 +47,7 @@ from stiction.core.state import (
 from stiction.core.vec import (
     Quat,
     Vec3,
+    congruent,
     cross,
     dot,
     inverse,
@@ -66,6 +67,9 @@ FAST = 1.2
 """rad: a body that turns by less than twice that in a step turns by the right angle about a changing axis."""
 NO_TURN = 1e-6
 """rad, turning by less in a step changes nothing that matters."""
+SMALL_TURN, FAR_TURN = 0.02, 0.2
+"""A quarter of the turn of a step, rad, that no inertia minds; and how much of the trace of its inverse an entry may
+have changed by in the middle of a step. That of a needle changes by the sine of the angle by which it tumbles."""
 ROOT = 1e-8
 """A step of Newton's method, of what it improves, after which the next one would change nothing: it goes with the
 square."""
@@ -124,31 +128,42 @@ def spin_freely(R, inertia, w, dt):
 
 
 @jit
-def spin_in_contact(q, R, inertia, w, dt):
+def spin_in_contact(q, R, inertia, inverse_inertia, w, dt):
     """What contact finds of how a body turns: by how much its spin would change in dt if nothing touched it, world, and
     its axes in the middle of that time, whose inertia impulses act on.
 
     With the inertia of the start, and a spin that changes as it looks from the axes of the start, a body that rattles
     would lose or gain energy and angular momentum of the first order in dt. The mid-point rule and a turn by Cayley's
-    map (:func:`spin_freely`) keep both; the turn is x + 2 (g x x + g x (g x x)) / (1 + g^2), g = m dt / 2.
+    map (:func:`spin_freely`) keep both; the turn is x + 2 (g x x + g x (g x x)) / (1 + g^2), g = m dt / 2. But a needle
+    that tumbles far in a step has contacts that know nothing of that: for them it is as it was.
     """
     free = Vec3(0.0, 0.0, 0.0)
     if dot(w, w) * dt * dt <= NO_TURN * NO_TURN:
         return free, R
     w0 = transpose(R) @ w
     w1, changes = euler(inertia, w0, dt)
-    if changes:
+    middle, far = half_way(q, R, inverse_inertia, w, dt)
+    if changes and far:
+        free = R @ w1 - w
+    elif changes:
         g, x = (R @ (w0 + w1)) * (0.25 * dt), R @ w1
         across = cross(g, x)
         free = x + (across + cross(g, across)) * (2.0 / (1.0 + dot(g, g))) - w
-    return free, half_way(q, w, dt)
+    return free, middle
 
 
 @jit
-def half_way(q, w, dt):
-    """The axes of a body in the middle of the time dt in which it turns with spin w, by Cayley's map."""
+def half_way(q, R, inverse_inertia, w, dt):
+    """The axes of a body in the middle of the time dt in which it turns with spin w, by Cayley's map; or those of the
+    start, and True, if its inertia would be too different by then."""
     half = w * (0.25 * dt)
-    return rotation(unit(Quat(1.0, half.x, half.y, half.z) * q))
+    middle = rotation(unit(Quat(1.0, half.x, half.y, half.z) * q))
+    if dot(half, half) > SMALL_TURN * SMALL_TURN:
+        D = congruent(middle, inverse_inertia) + -congruent(R, inverse_inertia)
+        far = FAR_TURN * (inverse_inertia.xx + inverse_inertia.yy + inverse_inertia.zz)
+        if max(max(abs(D.xx), max(abs(D.yy), abs(D.zz))), max(abs(D.xy), max(abs(D.xz), abs(D.yz)))) > far:
+            return R, True
+    return middle, False
 
 
 @jit

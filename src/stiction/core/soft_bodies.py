@@ -93,8 +93,11 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     aux[r, s.AUX_MASS] = bodies[i, INVERSE_MASS]
     if kinds[i, MOBILITY] == DYNAMIC:
         # that comes bit by bit, as gravity does
-        free, middle = spin_in_contact(quat(bodies, i, ORIENTATION), R, mat33(bodies, i, INERTIA), w, dt)
-        I = world_inverse_inertia(middle, mat33(bodies, i, INVERSE_INERTIA))
+        inverse_inertia = mat33(bodies, i, INVERSE_INERTIA)
+        free, middle = spin_in_contact(
+            quat(bodies, i, ORIENTATION), R, mat33(bodies, i, INERTIA), inverse_inertia, w, dt
+        )  # fmt: skip
+        I = world_inverse_inertia(middle, inverse_inertia)
         a, angular = gravity + vec3(bodies, i, FORCE) * bodies[i, INVERSE_MASS], I @ vec3(bodies, i, TORQUE)
         put_vec3(rows, r, s.ROW_V, a * h)
         put_vec3(rows, r, s.ROW_W, (free * (1.0 / dt) + angular) * h)
@@ -174,7 +177,7 @@ def finish_contact(bodies, i, pose, rows, aux, dt, ledger):
     if dot(angle, angle) > NO_TURN * NO_TURN:
         # the turn is a sum over substeps, and not quite the one for which the spin is right
         now = rotation(quat(bodies, i, ORIENTATION))
-        middle = half_way(q, w0, dt)
+        middle, _ = half_way(q, R, mat33(bodies, i, INVERSE_INERTIA), w0, dt)
         may, has = spin_energy_after(bodies, i, R, middle, now, w0, w1, wide(vec3(aux, r, s.AUX_FREE)))
         may = max(may, 0.0)
         if has > may * (1.0 + ROUNDING):
