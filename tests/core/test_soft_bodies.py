@@ -41,7 +41,12 @@ def test_contact_finds_the_spin_of_a_free_body(rng: np.random.Generator) -> None
         R = matrix_of(q)
         for dt in (0.02, 0.01):
             free, middle = compiled(spin_in_contact)(
-                Quat(*map(float, q)), Mat33(*R.ravel()), Mat33(*inertia.ravel()), Mat33(*np.linalg.inv(inertia).ravel()), vec(w), dt
+                Quat(*map(float, q)),
+                Mat33(*R.ravel()),
+                Mat33(*inertia.ravel()),
+                Mat33(*np.linalg.inv(inertia).ravel()),
+                vec(w),
+                dt,
             )
             half, _ = spun(R, inertia, w, 0.5 * dt, 100)
             _, last = spun(R, inertia, w, dt, 100)
