@@ -13,8 +13,8 @@ from stiction.core import state
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.vec import Vec3
 
-from .support import Array, Placed, matrix_of, random_unit, rows_of
-from .test_collide_shapes import KINDS, TABLE, along, best_separation, least_width, random_pair
+from .support import Array, Placed, box, matrix_of, random_unit, rows_of
+from .test_collide_shapes import KINDS, TABLE, along, best_separation, hull, least_width, random_pair
 
 PAIRS = [(a, b) for k, a in enumerate(KINDS) for b in KINDS[k:]]
 every_pair = pytest.mark.parametrize("kinds", PAIRS, ids=" and ".join)
@@ -86,3 +86,36 @@ def test_the_separation_of_what_is_apart_is_a_lower_bound(rng: np.random.Generat
                 again = look(a, b, 0.01, toward)
                 assert not len(again[0])
                 assert again[2] >= far - 1e-9
+
+
+@every_pair
+def test_what_overlaps_has_a_point_as_deep_as_it_is(rng: np.random.Generator, kinds: tuple[str, str]) -> None:
+    """Also where points are looked for far ahead: those over the best face may all be far from it, while what overlaps
+    lies beside it."""
+    seen = 0
+    for _ in range(60):
+        a, b = random_pair(rng, kinds, -float(rng.uniform(1e-4, 0.02)))
+        rows, _, _ = look(a, b, 0.1)
+        if not len(rows):  # one is so thin that it cannot be as deep
+            continue
+        deep = float(along(a, b, rows[:1, state.NORMAL : state.NORMAL + 3])[0])
+        assert rows[:, state.SEPARATION].min() <= deep + 0.012 * least_width(a, b) + 1e-6, kinds
+        seen += 1
+    assert seen > 20
+
+
+def test_points_over_a_face_are_none_where_what_overlaps_lies_beside_it() -> None:
+    """A stone that a box meets at the edge of its face: 2 mm deep there, and 9 mm off where it is over the face."""
+    stone = hull(
+        [
+            (-0.06, -0.021, -0.146), (-0.078, 0.126, -0.005), (0.035, -0.051, 0.174), (0.166, -0.126, 0.138),
+            (0.043, 0.134, -0.112), (-0.073, 0.083, -0.096), (-0.036, 0.08, -0.126), (-0.057, 0.008, -0.143),
+            (-0.037, -0.095, -0.153), (-0.113, 0.071, 0.037), (-0.044, 0.022, 0.143), (-0.051, -0.036, 0.147),
+        ],
+        (0.0, 0.0, 0.0),
+        (-0.22404, -0.44982, -0.01007, 0.8645),
+    )  # fmt: skip
+    block = box((0.21425, 0.19297, 0.12201), (0.15686, 0.1923, 0.13125), (-0.7127, 0.59236, -0.24026, 0.28887))
+    for margin in (1e-3, 0.02, 0.05):
+        rows, _, _ = look(stone, block, margin)
+        assert rows[:, state.SEPARATION].min() == pytest.approx(-0.0019, abs=5e-4)

@@ -126,7 +126,7 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
         normal = face_n
     elif face >= 0 and face_sigma >= sigma - slack:
         normal = face_n
-        if (apart or round_one) and deepest > sigma - r + 2.0 * slack:
+        if deepest > max(sigma, face_sigma) - r + 2.0 * slack:
             found = 0  # the nearest place lies beside the face
         if found == 0 and face_sigma > sigma + slack:
             # the face of X that looks at this one lies beside it: X touches with its lowest point
