@@ -54,9 +54,11 @@ def update_manifolds(
                 ask_for(pose, other + 1, s.POSE_ROTATION)
                 ask_for(bodies, other, POSITION)
                 ask_for(bodies, other, SIZE)
-            kept = row > 0 and is_kept(kinds, a, b, pose, manifolds, meta, row)
-            needed = margin_of(pose, kinds, a, b)
-            if not kept and not (row > 0 and rolls_on(kinds, a, b, pose, manifolds, meta, soft.corners, row, needed)):
+            if row == 0 or not (
+                is_kept(kinds, a, b, pose, manifolds, meta, row)
+                or rolls_on(kinds, a, b, pose, manifolds, meta, soft.corners, row, margin_of(pose, kinds, a, b))
+            ):
+                needed = margin_of(pose, kinds, a, b)
                 margin = needed + look_of(pose, kinds, a, b)
                 if row > 0 and meta[row, s.POINTS] > 0.0:
                     hint = as_hint(pose, kinds, a, b, meta[row, s.MADE], vec3(manifolds, row, s.NORMAL_A))

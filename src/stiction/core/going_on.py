@@ -35,7 +35,7 @@ TAKEN = 16.0
 """... one or two points by so many times more, if the bodies have no other features there."""
 STEEPEST = 0.02
 """rad, a point whose normal would turn by more in a step is looked for anew."""
-ENDLESS = 1e6
+LONGEST = 1e6
 """The radius of what is flat, in parts of the smaller body, ..."""
 SHARPEST = 1e-3
 """... and below which both together have none."""
@@ -88,9 +88,9 @@ def rolls_on(kinds, a, b, pose, manifolds, meta, radii, row, farthest):
     d = pb - pa
     mu, mv, twist = dot(nb, u), dot(nb, v), dot(ub, v)
     smaller = smaller_reach(pose, kinds, a, b)
-    endless = ENDLESS * smaller
-    auu, auv, avv = radii_at(radii, row, s.RADII_A, endless)
-    buu, buv, bvv = radii_at(radii, row, s.RADII_B, endless)
+    longest = LONGEST * smaller
+    auu, auv, avv = radii_at(radii, row, s.RADII_A, longest)
+    buu, buv, bvv = radii_at(radii, row, s.RADII_B, longest)
     suu, suv, svv = auu + buu, auv + buv, avv + bvv
     du, dv = dot(d, u), dot(d, v)
     gu, gv = du + buu * mu + buv * mv, dv + buv * mu + bvv * mv
@@ -120,11 +120,10 @@ def rolls_on(kinds, a, b, pose, manifolds, meta, radii, row, farthest):
     apart = dot(n, d) - fall_a - fall_b
     points = int(meta[row, s.POINTS])
     for k in range(points):
-        place_u, place_v = manifolds[row, s.PLACE_U + k], manifolds[row, s.PLACE_V + k]
-        if not manifolds[row, s.GAP + k] + apart - mu * place_u - mv * place_v <= farthest:
+        if not manifolds[row, s.GAP + k] + opened(manifolds, row, k, apart, mu, mv) <= farthest:
             return False
     for k in range(points):
-        manifolds[row, s.GAP + k] += apart - mu * manifolds[row, s.PLACE_U + k] - mv * manifolds[row, s.PLACE_V + k]
+        manifolds[row, s.GAP + k] += opened(manifolds, row, k, apart, mu, mv)
 
     center = pa + u * fu + v * fv + before * (0.5 * apart - fall_a)
     carry_pull(manifolds, row, pa - center, n)
@@ -134,13 +133,19 @@ def rolls_on(kinds, a, b, pose, manifolds, meta, radii, row, farthest):
 
 
 @jit
-def radii_at(radii, row, k, endless):
+def opened(manifolds, row, k, apart, mu, mv):
+    """How much farther point k is open where the anchor is so by ``apart``, and B's normal has turned by m."""
+    return apart - mu * manifolds[row, s.PLACE_U + k] - mv * manifolds[row, s.PLACE_V + k]
+
+
+@jit
+def radii_at(radii, row, k, longest):
     """The matrix of the radii of one body in the plane, uu, uv, vv, m: how far the place of contact goes when the
     normal turns by a radian. Made here of what it is made of, for its entries alone, in single precision, would not be
     zero across what is endless along it."""
     c, sn = float(radii[row, k]), float(radii[row, k + 1])
-    across = min(float(radii[row, k + 3]), endless)
-    more = min(float(radii[row, k + 2]), endless) - across
+    across = min(float(radii[row, k + 3]), longest)
+    more = min(float(radii[row, k + 2]), longest) - across
     return across + more * c * c, more * c * sn, across + more * sn * sn
 
 

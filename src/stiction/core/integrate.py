@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 from stiction.core.contact_rows import arm, is_dynamic
-from stiction.core.contact_space import skew
+from stiction.core.contact_space import skew, world_inverse_inertia
 from stiction.core.jit import jit
 from stiction.core.ledger import spin_energy
 from stiction.core.state import (
@@ -47,7 +47,6 @@ from stiction.core.state import (
 from stiction.core.vec import (
     Quat,
     Vec3,
-    congruent,
     cross,
     dot,
     inverse,
@@ -159,7 +158,7 @@ def half_way(q, R, inverse_inertia, w, dt):
     half = w * (0.25 * dt)
     middle = rotation(unit(Quat(1.0, half.x, half.y, half.z) * q))
     if dot(half, half) > SMALL_TURN * SMALL_TURN:
-        D = congruent(middle, inverse_inertia) + -congruent(R, inverse_inertia)
+        D = world_inverse_inertia(middle, inverse_inertia) + -world_inverse_inertia(R, inverse_inertia)
         far = FAR_TURN * (inverse_inertia.xx + inverse_inertia.yy + inverse_inertia.zz)
         if max(max(abs(D.xx), max(abs(D.yy), abs(D.zz))), max(abs(D.xy), max(abs(D.xz), abs(D.yz)))) > far:
             return R, True
