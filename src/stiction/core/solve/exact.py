@@ -185,8 +185,10 @@ def miss_of_block(i, blocks, index, count, rows, h, t, laws, moved):
     beta = load(blocks, o + s.B_BETA)
     if moved:
         beta = beta - beta
+    bears = get4(blocks, o + s.B_SOFT)
     aim = Four(
-        allowed(gap.a, beta, h), allowed(gap.b, beta, h), allowed(gap.c, beta, h), allowed(gap.d, beta, h)
+        allowed(gap.a, beta, h, bears.a * lam.a), allowed(gap.b, beta, h, bears.b * lam.b),
+        allowed(gap.c, beta, h, bears.c * lam.c), allowed(gap.d, beta, h, bears.d * lam.d),
     )  # fmt: skip
     normal = greatest(
         greatest(_miss(closing.a - aim.a, lam.a, stiffness), _miss(closing.b - aim.b, lam.b, stiffness)),
