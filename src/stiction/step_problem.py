@@ -119,7 +119,7 @@ def _masses(store: SoftStore, settings: state.Settings, moving: NDArray[np.int64
         row = store.bodies[i : i + 1]
         q, w = Quat(*row[0, state.ORIENTATION : state.ORIENTATION + 4]), vec3(row, 0, state.W)
         tensors = mat33(row, 0, state.INERTIA), mat33(row, 0, state.INVERSE_INERTIA)
-        free, R = spin_in_contact(q, rotation(q), *tensors, w, settings.dt)
+        free, R, _ = spin_in_contact(q, rotation(q), *tensors, w, settings.dt)
         # R I R^T, as for its inverse
         inertia = np.array(world_inverse_inertia(R, mat33(row, 0, state.INERTIA))).reshape(3, 3)
         mass = row[0, state.MASS]

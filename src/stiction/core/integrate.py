@@ -128,8 +128,8 @@ def spin_freely(R, inertia, w, dt):
 
 @jit
 def spin_in_contact(q, R, inertia, inverse_inertia, w, dt):
-    """What contact finds of how a body turns: by how much its spin would change in dt if nothing touched it, world, and
-    its axes in the middle of that time, whose inertia impulses act on.
+    """What contact finds of how a body turns: by how much its spin would change in dt if nothing touched it, world;
+    its axes in the middle of that time, whose inertia impulses act on; and whether it tumbles too far for that.
 
     With the inertia of the start, and a spin that changes as it looks from the axes of the start, a body that rattles
     would lose or gain energy and angular momentum of the first order in dt. The mid-point rule and a turn by Cayley's
@@ -138,7 +138,7 @@ def spin_in_contact(q, R, inertia, inverse_inertia, w, dt):
     """
     free = Vec3(0.0, 0.0, 0.0)
     if dot(w, w) * dt * dt <= NO_TURN * NO_TURN:
-        return free, R
+        return free, R, False
     w0 = transpose(R) @ w
     w1, changes = euler(inertia, w0, dt)
     middle, far = half_way(q, R, inverse_inertia, w, dt)
@@ -148,7 +148,7 @@ def spin_in_contact(q, R, inertia, inverse_inertia, w, dt):
         g, x = (R @ (w0 + w1)) * (0.25 * dt), R @ w1
         across = cross(g, x)
         free = x + (across + cross(g, across)) * (2.0 / (1.0 + dot(g, g))) - w
-    return free, middle
+    return free, middle, far
 
 
 @jit

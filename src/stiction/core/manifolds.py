@@ -310,6 +310,9 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, aux, r
     """
     ra = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_A)
     rb = mat33(pose, b + 1, s.POSE_ROTATION) @ vec3(meta, row, s.ANCHOR_B)
+    odd = pose[a + 1, s.POSE_ODD] + pose[b + 1, s.POSE_ODD]
+    if odd >= s.TUMBLES:
+        forget_impulses(manifolds, row)
     up, half = load_along_normal(manifolds, meta, pose, a, row)
     # the surfaces where they will touch, and where the load is
     arm_a, arm_b = ra - half, rb + half
@@ -318,7 +321,7 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, aux, r
         put_vec3(manifolds, row, s.ARM_A, up + arm_a)
         put_vec3(manifolds, row, s.ARM_B, up + arm_b)
         put_drift(bodies, kinds, a, b, manifolds, row, pose, Vec3(0.0, 0.0, 0.0))
-        if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
+        if odd > 0.0:
             put_vec3(manifolds, row, s.BELT, belt_velocity(bodies, pose, a, b))
         else:
             limit = limit_of(pose, kinds, a, b)
@@ -340,10 +343,19 @@ def refresh_manifold(bodies, kinds, a, b, manifolds, meta, reports, pose, aux, r
             early = cross(vec3(aux, b + 1, s.AUX_START_W), ahead_b) - cross(vec3(aux, a + 1, s.AUX_START_W), ahead_a)
         put_drift(bodies, kinds, a, b, manifolds, row, pose, early * (-2.0 / dt))
         put_vec3(manifolds, row, s.BELT, early)
-        if pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0:
+        if odd > 0.0:
             n = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
             belt = belt_velocity(bodies, pose, a, b)
             put_vec3(manifolds, row, s.BELT, early + belt - n * dot(n, belt))
+
+
+@jit
+def forget_impulses(manifolds, row):
+    """Begin a step without those of the last one: at other arms they would throw a needle that tumbles."""
+    for k in range(4):
+        manifolds[row, s.LOAD + k] = 0.0
+    put_vec3(manifolds, row, s.PULL, Vec3(0.0, 0.0, 0.0))
+    manifolds[row, s.SPIN] = manifolds[row, s.ROLL] = manifolds[row, s.ROLL + 1] = 0.0
 
 
 @jit
@@ -438,7 +450,7 @@ def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
     work = 0.0
     for k in range(count):
         a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
-        belts = pose[a + 1, s.POSE_BELT] + pose[b + 1, s.POSE_BELT] > 0.0
+        belts = pose[a + 1, s.POSE_ODD] + pose[b + 1, s.POSE_ODD] > 0.0
         if not belts and kinds[a, MOBILITY] != KINEMATIC and kinds[b, MOBILITY] != KINEMATIC:
             continue
         Ra = mat33(pose, a + 1, s.POSE_ROTATION)

@@ -67,7 +67,7 @@ def put_to_sleep(bodies, kinds, awake, count, active, contacts, manifolds, pose,
 @jit
 def _is_driven(bodies, kinds, pose, i):
     """Whether body i moves, or its surface does, whatever touches it."""
-    if pose[i + 1, s.POSE_BELT] > 0.0:
+    if pose[i + 1, s.POSE_ODD] > 0.0:
         return True
     v, w = vec3(bodies, i, V), vec3(bodies, i, W)
     return kinds[i, MOBILITY] == KINEMATIC and dot(v, v) + dot(w, w) > 0.0

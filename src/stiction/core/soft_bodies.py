@@ -83,7 +83,7 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     put_mat33(pose, r, s.POSE_ROTATION, R)
     pose[r, s.POSE_MOTION], pose[r, s.POSE_REACH], pose[r, s.POSE_MARGIN] = bodies[i, MOTION], bodies[i, REACH], margin
     belt = vec3(bodies, i, SURFACE)
-    pose[r, s.POSE_BELT] = 0.0 if belt.x == 0.0 and belt.y == 0.0 and belt.z == 0.0 else 1.0
+    pose[r, s.POSE_ODD] = 0.0 if belt.x == 0.0 and belt.y == 0.0 and belt.z == 0.0 else s.HAS_BELT
     if kinds[i, SHAPE] != PLANE:
         set_bounds(bodies, kinds, i, R, margin)
 
@@ -94,7 +94,7 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     if kinds[i, MOBILITY] == DYNAMIC:
         # that comes bit by bit, as gravity does
         inverse_inertia = mat33(bodies, i, INVERSE_INERTIA)
-        free, middle = spin_in_contact(
+        free, middle, far = spin_in_contact(
             quat(bodies, i, ORIENTATION), R, mat33(bodies, i, INERTIA), inverse_inertia, w, dt
         )  # fmt: skip
         I = world_inverse_inertia(middle, inverse_inertia)
@@ -102,6 +102,7 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
         put_vec3(rows, r, s.ROW_V, a * h)
         put_vec3(rows, r, s.ROW_W, (free * (1.0 / dt) + angular) * h)
         put_vec3(aux, r, s.AUX_FREE, free)
+        pose[r, s.POSE_ODD] += s.TUMBLES if far else 0.0
         put_vec3(aux, r, s.AUX_INERTIA, Vec3(I.xx, I.xy, I.xz))
         put_vec3(aux, r, s.AUX_INERTIA + 3, Vec3(I.yy, I.yz, I.zz))
     else:

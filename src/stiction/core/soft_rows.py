@@ -148,10 +148,14 @@ upper triangle of the inverse inertia in world axes; what friction and rolling h
 J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``); what the row had as
 velocities at the start of the substep; by how much its spin would change in the step if nothing touched it."""
 
-POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_BELT, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
+POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_ODD, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
 """Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far
 it had moved when the step began, m (``state.MOTION``); its farthest point from the origin of its frame, m; how far it
-can come towards another body in this step, m; 1 if its surface moves by itself."""
+can come towards another body in this step, m; what is odd about it."""
+
+HAS_BELT, TUMBLES = 1.0, 4.0
+"""What may be odd about a body, to be added for two: its surface moves by itself; it turns so far in a step that where
+and how it is touched has nothing to do with where it was."""
 
 
 class Soft(NamedTuple):

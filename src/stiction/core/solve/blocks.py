@@ -38,6 +38,8 @@ from stiction.core.vec import Mat33, Vec3, columns, cross, dot, transpose
 POINT_TORQUE = 1e-4
 """A patch whose mean arm is below this part of the size of its points' spread is a point."""
 TINY = 1e-30
+CARRIED = 2.0
+"""Of the static limit: more torque than that is not brought along from the step before."""
 
 
 @jit
@@ -402,7 +404,9 @@ def prepare_block(i, blocks, index, count, manifolds, corners, aux, h, dt, beta,
     pull = Vec3(gf[0], gf[1], gf[2]) * h_scale
     fu, fv = dot(pull, u), dot(pull, v)
     spin = gf[3] * h_scale - (px * fv - py * fu)
-    pull = Vec3(fu, fv, select(Tm > 0.0, spin / greatest(Tm, TINY), zero))
+    # what a long face has carried is too much for the small one that may have come in its place
+    most = ga[6] * (lam.a + lam.b + lam.c + lam.d) * CARRIED
+    pull = Vec3(fu, fv, select(Tm > 0.0, greatest(least(spin / greatest(Tm, TINY), most), -most), zero))
     put3(blocks, o + s.B_PULL, scaled_force(blocks, o, pull, laws))
     store(blocks, o + s.B_STATE, gb[6])
     store(blocks, o + s.B_OVER, gb[7])
