@@ -442,30 +442,3 @@ def carried_round(bodies, kinds, i, other):
         return Vec3(0.0, 0.0, 0.0)
     w = vec3(bodies, i, W)
     return cross(w, vec3(bodies, other, V))
-
-
-@jit
-def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
-    """Work (J) that kinematic bodies and moving surfaces put in over a step, before the bodies are moved."""
-    work = 0.0
-    for k in range(count):
-        a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
-        belts = pose[a + 1, s.POSE_ODD] + pose[b + 1, s.POSE_ODD] > 0.0
-        if not belts and kinds[a, MOBILITY] != KINEMATIC and kinds[b, MOBILITY] != KINEMATIC:
-            continue
-        Ra = mat33(pose, a + 1, s.POSE_ROTATION)
-        n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
-        load, tilt_u, tilt_v = 0.0, 0.0, 0.0
-        for j in range(int(meta[row, s.POINTS])):
-            load += reports[row, s.TOTAL_LOAD + j]
-            tilt_u += reports[row, s.TOTAL_LOAD + j] * manifolds[row, s.PLACE_V + j]
-            tilt_v -= reports[row, s.TOTAL_LOAD + j] * manifolds[row, s.PLACE_U + j]
-        force = n * load + vec3(reports, row, s.TOTAL_PULL)
-        torque = n * reports[row, s.TOTAL_TWIST] + u * tilt_u + cross(n, u) * tilt_v
-        work += dot(force, belt_velocity(bodies, pose, a, b))
-        for i, arm, sign in ((a, s.ARM_A, 1.0), (b, s.ARM_B, -1.0)):
-            if kinds[i, MOBILITY] == KINEMATIC:
-                w = (vec3(bodies, i, W) + vec3(bodies, i, W_START)) * 0.5
-                v = (vec3(bodies, i, V) + vec3(bodies, i, V_START)) * 0.5 + cross(w, vec3(manifolds, row, arm))
-                work += sign * (dot(force, v) + dot(torque, w))
-    return work

@@ -174,7 +174,7 @@ def finish_bodies(bodies, kinds, awake, count, mark, pose, rows, aux, gravity, d
     for k in range(count):
         i = awake[k]
         if mark[i] and kinds[i, MOBILITY] == DYNAMIC:
-            finish_contact(bodies, i, pose, rows, aux, dt, ledger)
+            finish_contact(bodies, i, pose, rows, aux, gravity, dt, ledger)
         else:
             finish_free(bodies, kinds, i, pose, gravity, dt, ledger)
 

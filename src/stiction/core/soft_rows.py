@@ -142,11 +142,13 @@ ROW_V, ROW_W, ROW_D, ROW_TURN, ROW_WIDTH = 0, 4, 8, 12, 16
 and rotation vector from what these would have made."""
 
 AUX_START_V, AUX_START_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WORK = 0, 4, 8, 17, 18, 24
-AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_OLD_V, AUX_OLD_W, AUX_FREE, AUX_WIDTH = 25, 28, 29, 30, 32, 36, 40, 48
+AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_OLD_V, AUX_OLD_W = 25, 28, 29, 30, 32, 36
+AUX_FREE, AUX_GIVEN, AUX_WIDTH = 40, 43, 48
 """Columns beside it, three cache lines: velocities at the start of the step; rotation matrix (9), inverse mass, and the
 upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this step,
 J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``); what the row had as
-velocities at the start of the substep; by how much its spin would change in the step if nothing touched it."""
+velocities at the start of the substep; by how much its spin would change in the step if nothing touched it; what
+those that touch it gave it in the step, if it tumbles, J."""
 
 POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_ODD, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
 """Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far

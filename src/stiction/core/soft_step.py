@@ -20,11 +20,11 @@ from stiction.core.colouring import (
     fill_blocks,
     forget_colours,
 )
+from stiction.core.contact_work import drive_work, give_to_tumblers
 from stiction.core.find import list_manifolds
 from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import jit
 from stiction.core.ledger import note_edits, total_energy
-from stiction.core.manifolds import drive_work
 from stiction.core.pieces import BLOCK, COUNT, FIRST, MOVER, MOVERS, PIECE, UNCUT_FOR, cut
 from stiction.core.pieces import BLOCKS as BLOCKS_HERE
 from stiction.core.sleep import PERIOD, put_to_sleep
@@ -330,7 +330,7 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, po
         entries[FRICTION], entries[ROLLING_LOSS] = friction, rolling
     for j in range(worlds):
         if notes[j, ROLE] == WAITS and desk.failed[j] == 0:
-            end_step(book, first + j, j * places_of(desk), notes[j], outcomes, one, bounces)
+            end_step(book, first + j, j * places_of(desk), notes[j], outcomes, one, bounces, laws)
 
 
 @jit
@@ -431,12 +431,13 @@ def fails(book, w, n, base, note, outcomes, one, h):
 
 
 @jit
-def end_step(book, w, base, note, outcomes, one, bounces):
+def end_step(book, w, base, note, outcomes, one, bounces, laws):
     """Move the bodies of a world, and let those sleep that are at rest."""
     bodies, kinds, _, ledger, profile, settings = rows_of(book, w)
     soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
     awake, taking_part, active = scratch.bodies[AWAKE], note[TAKING_PART], desk.active[note[FROM] :]
     ledger[WORK] += drive_work(bodies, kinds, active, note[ACTIVE], soft.manifolds, soft.meta, soft.pose, soft.reports)
+    give_to_tumblers(active, note[ACTIVE], soft, laws)
     if bounces:
         call_impacts(part_at(book, IMPACTS_PART), (book, REPORT, w, 0, note[PLACE], 0, note[BOUNCING], one))
     lap(profile, 7)

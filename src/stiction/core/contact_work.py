@@ -1,0 +1,96 @@
+"""Work of contact over a step: what drives put in, and what bodies that tumble may gain by it.
+
+A needle that turns by a radian or more in a step is touched at other places all the time, while its contacts have one
+arm each in a step. What they do to it has little to do with what it is like, but one thing holds for whatever happens in
+between: contact makes no energy. So such a body gets no more of it than those that touch it have given.
+"""
+
+from __future__ import annotations
+
+import math
+
+from stiction.core import soft_rows as s
+from stiction.core.jit import jit
+from stiction.core.manifolds import belt_velocity
+from stiction.core.state import INERTIA, KINEMATIC, MASS, MOBILITY, V_START, W_START, V, W
+from stiction.core.vec import cross, dot, mat33, put_vec3, transpose, vec3, wide
+
+
+@jit
+def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
+    """Work (J) that kinematic bodies and moving surfaces put in over a step, before the bodies are moved."""
+    work = 0.0
+    for k in range(count):
+        a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
+        odd = pose[a + 1, s.POSE_ODD] + pose[b + 1, s.POSE_ODD] > 0.0
+        if not odd and kinds[a, MOBILITY] != KINEMATIC and kinds[b, MOBILITY] != KINEMATIC:
+            continue
+        force, torque = impulse_of(manifolds, meta, pose, reports, a, row)
+        work += dot(force, belt_velocity(bodies, pose, a, b))
+        for i, arm, sign in ((a, s.ARM_A, 1.0), (b, s.ARM_B, -1.0)):
+            if kinds[i, MOBILITY] == KINEMATIC:
+                w = (vec3(bodies, i, W) + vec3(bodies, i, W_START)) * 0.5
+                v = (vec3(bodies, i, V) + vec3(bodies, i, V_START)) * 0.5 + cross(w, vec3(manifolds, row, arm))
+                work += sign * (dot(force, v) + dot(torque, w))
+    return work
+
+
+@jit
+def impulse_of(manifolds, meta, pose, reports, a, row):
+    """Impulse and angular impulse at the anchor that a manifold gave b in a step, world, N s and N m s."""
+    Ra = mat33(pose, a + 1, s.POSE_ROTATION)
+    n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
+    load, tilt_u, tilt_v = 0.0, 0.0, 0.0
+    for j in range(int(meta[row, s.POINTS])):
+        load += reports[row, s.TOTAL_LOAD + j]
+        tilt_u += reports[row, s.TOTAL_LOAD + j] * manifolds[row, s.PLACE_V + j]
+        tilt_v -= reports[row, s.TOTAL_LOAD + j] * manifolds[row, s.PLACE_U + j]
+    force = n * load + vec3(reports, row, s.TOTAL_PULL)
+    torque = n * reports[row, s.TOTAL_TWIST] + u * tilt_u + cross(n, u) * tilt_v
+    return force, torque
+
+
+@jit
+def give_to_tumblers(active, count, soft, laws):
+    """Enter what contact may have given bodies that tumble in a step: its impulse, by the mean velocity of what touches
+    them there, or of both if both tumble. Belts and attraction may give any energy."""
+    pose, rows, aux = soft.pose, soft.rows, soft.aux
+    for k in range(count):
+        a, b, row = active[k, 0] + 1, active[k, 1] + 1, active[k, 2] + 1
+        odd = pose[a, s.POSE_ODD] + pose[b, s.POSE_ODD]
+        if odd < s.TUMBLES:
+            continue
+        force, torque = impulse_of(soft.manifolds, soft.meta, pose, soft.reports, a - 1, row)
+        by_a = mean_power(aux, rows, a, force, torque, vec3(soft.manifolds, row, s.ARM_A))
+        by_b = mean_power(aux, rows, b, force, torque, vec3(soft.manifolds, row, s.ARM_B))
+        if laws or (odd != s.TUMBLES and odd != 2.0 * s.TUMBLES):
+            by_a, by_b = math.inf, -math.inf
+        elif odd == 2.0 * s.TUMBLES:
+            by_a = by_b = 0.5 * (by_a + by_b)
+        aux[a, s.AUX_GIVEN] -= by_b
+        aux[b, s.AUX_GIVEN] += by_a
+
+
+@jit
+def mean_power(aux, rows, r, force, torque, arm):
+    """An impulse by the mean velocity in the step of the body of row r where it acts, J."""
+    v = wide(vec3(aux, r, s.AUX_START_V)) + wide(vec3(rows, r, s.ROW_V)) * 0.5
+    w = wide(vec3(aux, r, s.AUX_START_W)) + wide(vec3(rows, r, s.ROW_W)) * 0.5
+    return dot(force, v + cross(w, arm)) + dot(torque, w)
+
+
+@jit
+def keep_to_what_was_given(bodies, i, R, now, v0, w0, dx, gravity, given):
+    """Slow body i down if it has more energy after a step than before it and what it was given in it.
+
+    It turned from the axes R to those of ``now``, had the velocities v0 and w0, and its centre of mass went by dx.
+    """
+    m, I = bodies[i, MASS], mat33(bodies, i, INERTIA)
+    v1, w1 = vec3(bodies, i, V), vec3(bodies, i, W)
+    before, after = transpose(R) @ w0, transpose(now) @ w1
+    may = 0.5 * (m * dot(v0, v0) + dot(before, I @ before)) + m * dot(gravity, dx) + given
+    has = 0.5 * (m * dot(v1, v1) + dot(after, I @ after))
+    if has > may:
+        less = math.sqrt(max(may, 0.0) / has)
+        put_vec3(bodies, i, V, v1 * less)
+        put_vec3(bodies, i, W, w1 * less)
