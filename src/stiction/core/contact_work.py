@@ -1,7 +1,8 @@
 """Work of contact over a step: what drives put in, and what bodies that tumble may gain by it.
 
-A needle that turns by a radian or more in a step is touched at other places all the time, while its contacts have one
-arm each in a step. What they do to it has little to do with what it is like, but one thing holds for whatever happens in
+A needle that turns by a radian in a step is touched at other places all the time, while its contacts have one arm each
+A needle that turns by a radian in a step is touched at other places all the time, while its contacts have one arm each
+in a step. What they do to it has little to do with what it is like, but one thing holds for whatever happens in
 between: contact makes no energy. So such a body gets no more of it than those that touch it have given.
 """
 
@@ -12,8 +13,11 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.jit import jit
 from stiction.core.manifolds import belt_velocity
-from stiction.core.state import INERTIA, KINEMATIC, MASS, MOBILITY, V_START, W_START, V, W
+from stiction.core.state import DYNAMIC, INERTIA, KINEMATIC, MASS, MOBILITY, SHAPE, SPHERE, V_START, W_START, V, W
 from stiction.core.vec import cross, dot, mat33, put_vec3, transpose, vec3, wide
+
+FAST_TURN = 0.5
+"""rad in a step."""
 
 
 @jit
@@ -48,6 +52,18 @@ def impulse_of(manifolds, meta, pose, reports, a, row):
     force = n * load + vec3(reports, row, s.TOTAL_PULL)
     torque = n * reports[row, s.TOTAL_TWIST] + u * tilt_u + cross(n, u) * tilt_v
     return force, torque
+
+
+@jit
+def find_tumblers(kinds, touched, touching, soft, dt):
+    """Besides those that have turned too far in a step, mark the bodies in contact that it has made so fast."""
+    for k in range(touching):
+        i = touched[k]
+        r = i + 1
+        if kinds[i, MOBILITY] == DYNAMIC and kinds[i, SHAPE] != SPHERE and soft.pose[r, s.POSE_ODD] < s.TUMBLES:
+            w = (wide(vec3(soft.aux, r, s.AUX_START_W)) + wide(vec3(soft.rows, r, s.ROW_W))) * dt
+            if dot(w, w) > FAST_TURN * FAST_TURN:
+                soft.pose[r, s.POSE_ODD] += s.TUMBLES
 
 
 @jit

@@ -20,7 +20,7 @@ from stiction.core.colouring import (
     fill_blocks,
     forget_colours,
 )
-from stiction.core.contact_work import drive_work, give_to_tumblers
+from stiction.core.contact_work import drive_work, find_tumblers, give_to_tumblers
 from stiction.core.find import list_manifolds
 from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import jit
@@ -437,6 +437,7 @@ def end_step(book, w, base, note, outcomes, one, bounces, laws):
     soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
     awake, taking_part, active = scratch.bodies[AWAKE], note[TAKING_PART], desk.active[note[FROM] :]
     ledger[WORK] += drive_work(bodies, kinds, active, note[ACTIVE], soft.manifolds, soft.meta, soft.pose, soft.reports)
+    find_tumblers(kinds, desk.lists[TOUCHING, base:], note[TOUCH], soft, settings.dt)
     give_to_tumblers(active, note[ACTIVE], soft, laws)
     if bounces:
         call_impacts(part_at(book, IMPACTS_PART), (book, REPORT, w, 0, note[PLACE], 0, note[BOUNCING], one))
