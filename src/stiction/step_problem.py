@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from stiction.core import state
 from stiction.core.contact_space import contact_basis, world_inverse_inertia
 from stiction.core.integrate import spin_in_contact
+from stiction.core.solve.depth import GENTLE
 from stiction.core.solve.exact import PUSH_OUT
-from stiction.core.solve.soft import PUSH
 from stiction.core.vec import Quat, mat33, rotation, vec3
 from stiction.errors import InvalidInputError, NotYetError
 
@@ -188,7 +188,7 @@ def _given_velocities(store: SoftStore, settings: state.Settings, table: Array, 
             w[k, 1:] += sign * (points.frame[k].T @ belt)[1:]
     h = settings.dt
     # only the exact solver pushes out of a penetration rigidly; soft contacts rest in theirs
-    pushed = np.maximum(points.gap * (PUSH_OUT if store.rigid else 0.0) / h, -PUSH)
+    pushed = np.maximum(points.gap * (PUSH_OUT if store.rigid else 0.0) / h, -GENTLE)
     w[:, 0] += np.where(points.gap > 0.0, points.gap / h, pushed)
     i, j = store.kinds[points.a, state.MATERIAL], store.kinds[points.b, state.MATERIAL]
     bounces = before < -settings.threshold

@@ -1,7 +1,6 @@
 """Work of contact over a step: what drives put in, and what bodies that tumble may gain by it.
 
 A needle that turns by a radian in a step is touched at other places all the time, while its contacts have one arm each
-A needle that turns by a radian in a step is touched at other places all the time, while its contacts have one arm each
 in a step. What they do to it has little to do with what it is like, but one thing holds for whatever happens in
 between: contact makes no energy. So such a body gets no more of it than those that touch it have given.
 """
@@ -13,11 +12,24 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.jit import jit
 from stiction.core.manifolds import belt_velocity
-from stiction.core.state import DYNAMIC, INERTIA, KINEMATIC, MASS, MOBILITY, SHAPE, SPHERE, V_START, W_START, V, W
-from stiction.core.vec import cross, dot, mat33, put_vec3, transpose, vec3, wide
+from stiction.core.state import (
+    CENTER,
+    DYNAMIC,
+    INERTIA,
+    KINEMATIC,
+    MASS,
+    MOBILITY,
+    ORIENTATION,
+    POSITION,
+    V_START,
+    W_START,
+    V,
+    W,
+)
+from stiction.core.vec import cross, dot, mat33, put_vec3, quat, rotation, transpose, vec3, wide
 
 FAST_TURN = 0.5
-"""rad in a step."""
+"""rad in a step, from which on a body that is not as a ball counts as one that tumbles."""
 
 
 @jit
@@ -55,15 +67,17 @@ def impulse_of(manifolds, meta, pose, reports, a, row):
 
 
 @jit
-def find_tumblers(kinds, touched, touching, soft, dt):
-    """Besides those that have turned too far in a step, mark the bodies in contact that it has made so fast."""
-    for k in range(touching):
-        i = touched[k]
-        r = i + 1
-        if kinds[i, MOBILITY] == DYNAMIC and kinds[i, SHAPE] != SPHERE and soft.pose[r, s.POSE_ODD] < s.TUMBLES:
-            w = (wide(vec3(soft.aux, r, s.AUX_START_W)) + wide(vec3(soft.rows, r, s.ROW_W))) * dt
-            if dot(w, w) > FAST_TURN * FAST_TURN:
-                soft.pose[r, s.POSE_ODD] += s.TUMBLES
+def note_tumbler(bodies, i, pose, aux, w1, work, dt):
+    """Whether body i has tumbled in a step, or the step has made it so fast that it will; notes so, and the ``work`` of
+    what pulls at it besides contact, J."""
+    r = i + 1
+    if pose[r, s.POSE_ODD] < s.TUMBLES:
+        I = mat33(bodies, i, INERTIA)
+        if dot(w1, w1) * dt * dt <= FAST_TURN * FAST_TURN or (I.xx == I.yy and I.yy == I.zz):
+            return False
+        pose[r, s.POSE_ODD] += s.TUMBLES
+    aux[r, s.AUX_GIVEN] = work
+    return True
 
 
 @jit
@@ -96,17 +110,22 @@ def mean_power(aux, rows, r, force, torque, arm):
 
 
 @jit
-def keep_to_what_was_given(bodies, i, R, now, v0, w0, dx, gravity, given):
-    """Slow body i down if it has more energy after a step than before it and what it was given in it.
-
-    It turned from the axes R to those of ``now``, had the velocities v0 and w0, and its centre of mass went by dx.
-    """
-    m, I = bodies[i, MASS], mat33(bodies, i, INERTIA)
-    v1, w1 = vec3(bodies, i, V), vec3(bodies, i, W)
-    before, after = transpose(R) @ w0, transpose(now) @ w1
-    may = 0.5 * (m * dot(v0, v0) + dot(before, I @ before)) + m * dot(gravity, dx) + given
-    has = 0.5 * (m * dot(v1, v1) + dot(after, I @ after))
-    if has > may:
-        less = math.sqrt(max(may, 0.0) / has)
-        put_vec3(bodies, i, V, v1 * less)
-        put_vec3(bodies, i, W, w1 * less)
+def hold_tumblers(bodies, kinds, touched, touching, soft, gravity):
+    """Slow bodies down that have tumbled in a step, if they have more energy after it than before it and what they were
+    given in it."""
+    for k in range(touching):
+        i = touched[k]
+        r = i + 1
+        if kinds[i, MOBILITY] != DYNAMIC or soft.pose[r, s.POSE_ODD] < s.TUMBLES:
+            continue
+        m, I = bodies[i, MASS], mat33(bodies, i, INERTIA)
+        R, now = mat33(soft.pose, r, s.POSE_ROTATION), rotation(quat(bodies, i, ORIENTATION))
+        v0, w0 = wide(vec3(soft.aux, r, s.AUX_START_V)), transpose(R) @ wide(vec3(soft.aux, r, s.AUX_START_W))
+        v1, w1 = vec3(bodies, i, V), transpose(now) @ vec3(bodies, i, W)
+        dx = vec3(bodies, i, POSITION) + now @ vec3(bodies, i, CENTER) - vec3(soft.pose, r, s.POSE_X)
+        may = 0.5 * (m * dot(v0, v0) + dot(w0, I @ w0)) + m * dot(gravity, dx) + soft.aux[r, s.AUX_GIVEN]
+        has = 0.5 * (m * dot(v1, v1) + dot(w1, I @ w1))
+        if has > may:
+            less = math.sqrt(max(may, 0.0) / has)
+            put_vec3(bodies, i, V, v1 * less)
+            put_vec3(bodies, i, W, now @ w1 * less)

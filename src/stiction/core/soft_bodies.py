@@ -12,7 +12,7 @@ import math
 from stiction.core import soft_rows as s
 from stiction.core.broadphase import body_margin, set_bounds
 from stiction.core.contact_space import world_inverse_inertia
-from stiction.core.contact_work import keep_to_what_was_given
+from stiction.core.contact_work import note_tumbler
 from stiction.core.integrate import NO_TURN, half_way, spin_freely, spin_in_contact
 from stiction.core.jit import jit
 from stiction.core.lanes import load_part, store_part
@@ -121,7 +121,7 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     put_vec3(aux, r, s.AUX_OLD_W, Vec3(0.0, 0.0, 0.0))
     put_vec3(aux, r, s.AUX_START_V, v)
     put_vec3(aux, r, s.AUX_START_W, w)
-    aux[r, s.AUX_WORK] = aux[r, s.AUX_GIVEN] = 0.0
+    aux[r, s.AUX_WORK] = 0.0
     begin_lean(bodies, kinds, i, aux, gravity * (-1.0 / g if g > 0.0 else 0.0), x)
 
 
@@ -163,19 +163,18 @@ def row_is_finite(rows, r):
 
 
 @jit
-def finish_contact(bodies, i, pose, rows, aux, gravity, dt, ledger):
-    """Take velocities and displacement of a dynamic body in contact over from its row."""
+def finish_contact(bodies, i, pose, rows, aux, dt, ledger):
+    """Take velocities and displacement of a dynamic body in contact over from its row; returns whether it tumbles."""
     r = i + 1
     v0, w0 = vec3(bodies, i, V), vec3(bodies, i, W)
     v1, w1 = v0 + wide(vec3(rows, r, s.ROW_V)), w0 + wide(vec3(rows, r, s.ROW_W))
     put_vec3(bodies, i, V, v1)
     put_vec3(bodies, i, W, w1)
-    enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
+    work = enter_work(bodies, i, v0 + v1, w0 + w1, dt, ledger)
     bodies[i, FRICTION_WORK] += aux[r, s.AUX_WORK]
     dx, angle = v0 * dt + wide(vec3(rows, r, s.ROW_D)), w0 * dt + wide(vec3(rows, r, s.ROW_TURN))
     keep_lean(bodies, i, aux, angle)
     R, q = mat33(pose, r, s.POSE_ROTATION), quat(bodies, i, ORIENTATION)
-    force, torque = vec3(bodies, i, FORCE), vec3(bodies, i, TORQUE)
     _go(bodies, i, pose, dx, angle, dt)
     if dot(angle, angle) > NO_TURN * NO_TURN:
         # the turn is a sum over substeps, and not quite the one for which the spin is right
@@ -185,9 +184,7 @@ def finish_contact(bodies, i, pose, rows, aux, gravity, dt, ledger):
         may = max(may, 0.0)
         if has > may * (1.0 + ROUNDING):
             put_vec3(bodies, i, W, w1 * math.sqrt(may / has))
-        if pose[r, s.POSE_ODD] >= s.TUMBLES:
-            given = aux[r, s.AUX_GIVEN] + 0.5 * dt * (dot(force, v0 + v1) + dot(torque, w0 + w1))
-            keep_to_what_was_given(bodies, i, R, now, v0, w0, dx, gravity, given)
+    return note_tumbler(bodies, i, pose, aux, vec3(bodies, i, W), work, dt)
 
 
 @jit
@@ -240,9 +237,11 @@ def free_is_finite(bodies, kinds, i, gravity, dt):
 
 @jit
 def enter_work(bodies, i, twice_v, twice_w, dt, ledger):
-    """Work of applied forces and torques over a step, by the mean velocities."""
-    ledger[WORK] += 0.5 * dt * dot(vec3(bodies, i, FORCE), twice_v)
-    ledger[WORK] += 0.5 * dt * dot(vec3(bodies, i, TORQUE), twice_w)
+    """Work of applied forces and torques over a step, by the mean velocities, J: enters the ledger, and is returned."""
+    pulled, turned = dot(vec3(bodies, i, FORCE), twice_v), dot(vec3(bodies, i, TORQUE), twice_w)
+    ledger[WORK] += 0.5 * dt * pulled
+    ledger[WORK] += 0.5 * dt * turned
+    return 0.5 * dt * (pulled + turned)
 
 
 @jit

@@ -170,13 +170,15 @@ def keep_states(bodies, awake, count):
 
 @jit
 def finish_bodies(bodies, kinds, awake, count, mark, pose, rows, aux, gravity, dt, ledger):
-    """Move all bodies, those in contact as the solver says."""
+    """Move all bodies, those in contact as the solver says; returns how many of these tumble."""
+    tumbling = 0
     for k in range(count):
         i = awake[k]
         if mark[i] and kinds[i, MOBILITY] == DYNAMIC:
-            finish_contact(bodies, i, pose, rows, aux, gravity, dt, ledger)
+            tumbling += finish_contact(bodies, i, pose, rows, aux, dt, ledger)
         else:
             finish_free(bodies, kinds, i, pose, gravity, dt, ledger)
+    return tumbling
 
 
 @jit

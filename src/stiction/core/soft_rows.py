@@ -103,6 +103,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     B_MISS,  # by how much the manifold misses its laws, m/s (solve.exact)
     B_START,  # 3, a against b at the place of contact at the start of the step: closing speed, spin about u and v
     B_WANDER,  # how fast that closing speed changes because the place wanders away from the arms, m/s^2
+    B_BURIED,  # by how much the points are deeper than their separations say (solve.depth), m
     B_GAP,  # 4, separations at the start of the step
     B_LOAD,  # 4, normal impulses
     B_TOTAL_LOAD,  # 4, sums over the step
@@ -124,7 +125,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     # impulse a substep with which the points hold on
     FIELDS,
 ) = _starts(
-    3, 3, 3, 3, 1, 1, 6, 6, 6, 1, 1, 1, 1, 1, 3, 2, 3, 1, 1, 3, 3, 1, 1, 1, 1, 3, 1, 4, 4, 4, 4, 4, 10, 10, 6,
+    3, 3, 3, 3, 1, 1, 6, 6, 6, 1, 1, 1, 1, 1, 3, 2, 3, 1, 1, 3, 3, 1, 1, 1, 1, 3, 1, 1, 4, 4, 4, 4, 4, 10, 10, 6,
     6, 9, 6, 4, 4, 2, 1, 8, 2, 1, 2, 1, 4, 1, 4,
 )  # fmt: skip
 

@@ -20,7 +20,7 @@ from stiction.core.colouring import (
     fill_blocks,
     forget_colours,
 )
-from stiction.core.contact_work import drive_work, find_tumblers, give_to_tumblers
+from stiction.core.contact_work import drive_work, give_to_tumblers, hold_tumblers
 from stiction.core.find import list_manifolds
 from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import jit
@@ -437,17 +437,17 @@ def end_step(book, w, base, note, outcomes, one, bounces, laws):
     soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
     awake, taking_part, active = scratch.bodies[AWAKE], note[TAKING_PART], desk.active[note[FROM] :]
     ledger[WORK] += drive_work(bodies, kinds, active, note[ACTIVE], soft.manifolds, soft.meta, soft.pose, soft.reports)
-    find_tumblers(kinds, desk.lists[TOUCHING, base:], note[TOUCH], soft, settings.dt)
-    give_to_tumblers(active, note[ACTIVE], soft, laws)
     if bounces:
         call_impacts(part_at(book, IMPACTS_PART), (book, REPORT, w, 0, note[PLACE], 0, note[BOUNCING], one))
     lap(profile, 7)
-    mark = desk.lists[MARK, base:]
-    finish_bodies(
-        bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, soft.aux, gravity_of(settings), settings.dt,
-        ledger,
-    )  # fmt: skip
-    unmark(mark, desk.lists[TOUCHING, base:], note[TOUCH])
+    mark, touched, gravity = desk.lists[MARK, base:], desk.lists[TOUCHING, base:], gravity_of(settings)
+    tumbling = finish_bodies(
+        bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, soft.aux, gravity, settings.dt, ledger
+    )
+    if tumbling > 0:
+        give_to_tumblers(active, note[ACTIVE], soft, laws)
+        hold_tumblers(bodies, kinds, touched, note[TOUCH], soft, gravity)
+    unmark(mark, touched, note[TOUCH])
     outcomes[w, TAKEN] += 1
     counts = scratch.counts
     counts[STEP] += 1
@@ -459,7 +459,7 @@ def end_step(book, w, base, note, outcomes, one, bounces, laws):
         if slept > 0:
             counts[STALE] = 1
             # who meets them later sees them where they are now
-            gravity, dt = gravity_of(settings), settings.dt
+            dt = settings.dt
             begin_bodies(
                 bodies, kinds, awake, taking_part, soft.pose, soft.rows, soft.aux, gravity, length(gravity), dt, dt
             )

@@ -17,7 +17,7 @@ from stiction.core.colouring import first_row
 from stiction.core.contact_space import inverse_mass_matrix, skew
 from stiction.core.friction.laws import hold_on, keep_scaled, prepare_laws, scaled_force, scaling_at, stretch, stretched
 from stiction.core.friction.lifting import Corners, with_lifting
-from stiction.core.friction.patch import Surface, Sym3, inverse_sym
+from stiction.core.friction.patch import Surface, Sym3, inverse_sym, times
 from stiction.core.friction.pressure import (
     CAP_A,
     CAP_C,
@@ -30,7 +30,7 @@ from stiction.core.friction.pressure import (
     spread_of,
 )
 from stiction.core.jit import jit
-from stiction.core.lanes import any_of, gather, greatest, least, load, select, splat, sqrt, store
+from stiction.core.lanes import any_of, gather, greatest, least, load, scatter, select, splat, sqrt, store
 from stiction.core.leaning import without_lean
 from stiction.core.solve.normals import Four, Sym4, inverse_of_points, point_matrix
 from stiction.core.vec import Mat33, Vec3, columns, cross, dot, transpose
@@ -182,6 +182,29 @@ def twist_now(i, blocks, o, index, count, rows, C, t):
     start = get3(blocks, o + s.B_START)
     closing = start.x + load(blocks, o + s.B_WANDER) * t
     return Vec3(v.x + closing, v.y, v.z), Vec3(w.x, w.y + start.y, w.z + start.z), va, wa, vb, wb
+
+
+@jit
+def frame_of(blocks, o):
+    """The directions n, u, v of eight patches as the columns of a matrix."""
+    n, u = get3(blocks, o + s.B_NORMAL), get3(blocks, o + s.B_TANGENT)
+    return columns(n, u, cross(n, u))
+
+
+@jit
+def push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque, column=s.ROW_V):
+    """Apply a force and a torque at the anchor, in the frame, to b and their opposites to a; store the velocities, or
+    what else is in ``column``."""
+    arm_a, arm_b = get3(blocks, o + s.B_ARM_A), get3(blocks, o + s.B_ARM_B)
+    dwa = times(get6(blocks, o + s.B_INERTIA_A), cross(arm_a, force) + torque)
+    dwb = times(get6(blocks, o + s.B_INERTIA_B), cross(arm_b, force) + torque)
+    f = B @ force
+    va = va - f * load(blocks, o + s.B_MASS_A)
+    vb = vb + f * load(blocks, o + s.B_MASS_B)
+    wa, wb = wa - B @ dwa, wb + B @ dwb
+    o8 = wa.x - wa.x
+    scatter(rows, index, i, column, (va.x, va.y, va.z, o8, wa.x, wa.y, wa.z, o8))
+    scatter(rows, index, i + count, column, (vb.x, vb.y, vb.z, o8, wb.x, wb.y, wb.z, o8))
 
 
 @jit

@@ -27,11 +27,11 @@ from stiction.core.friction.laws import scaled_slip
 from stiction.core.friction.patch import choose3, level, slide, times
 from stiction.core.jit import entry, jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, select, size_of, sqrt, store
-from stiction.core.solve.blocks import get3, get4, get6, prepare_block, put3, surface_at, twist_now
+from stiction.core.solve.blocks import frame_of, get3, get4, get6, prepare_block, put3, surface_at, twist_now
 from stiction.core.solve.idle import belt_now
 from stiction.core.solve.normals import Four
 from stiction.core.solve.points import miss_of_points, prepare_points
-from stiction.core.solve.soft import allowed, frame_of, gaps_now, softness, solve_block, unit_of
+from stiction.core.solve.soft import allowed, gaps_now, softness, solve_block, unit_of
 from stiction.core.vec import Vec3, dot, transpose
 
 COMPLIANCE = 0.05
@@ -185,10 +185,8 @@ def miss_of_block(i, blocks, index, count, rows, h, t, laws, moved):
     beta = load(blocks, o + s.B_BETA)
     if moved:
         beta = beta - beta
-    bears = get4(blocks, o + s.B_SOFT)
     aim = Four(
-        allowed(gap.a, beta, h, bears.a * lam.a), allowed(gap.b, beta, h, bears.b * lam.b),
-        allowed(gap.c, beta, h, bears.c * lam.c), allowed(gap.d, beta, h, bears.d * lam.d),
+        allowed(gap.a, beta, h), allowed(gap.b, beta, h), allowed(gap.c, beta, h), allowed(gap.d, beta, h)
     )  # fmt: skip
     normal = greatest(
         greatest(_miss(closing.a - aim.a, lam.a, stiffness), _miss(closing.b - aim.b, lam.b, stiffness)),

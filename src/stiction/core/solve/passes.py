@@ -10,8 +10,9 @@ from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
+from stiction.core.solve.depth import any_buried, bury, dig_out, is_buried, lift_block, lift_points
 from stiction.core.solve.exact import iterate, rigidity
-from stiction.core.solve.points import lift_points, prepare_points, solve_points, warm_points
+from stiction.core.solve.points import prepare_points, solve_points, warm_points
 from stiction.core.solve.soft import (
     COLD_ENOUGH,
     COLD_PASSES,
@@ -21,7 +22,6 @@ from stiction.core.solve.soft import (
     SOME_NEW,
     has_fresh,
     last_change,
-    lift_block,
     softness,
     solve_block,
     warm_block,
@@ -49,7 +49,8 @@ def run_passes(
         ask_for_bodies(index, i + 1, count, aux, s.AUX_ROTATION, many)
         ask_for_bodies(index, i + 1, count, aux, s.AUX_INERTIA, many)
         ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH, many)
-        if laws is None and exact is None and is_point_block(index, i, count):
+        points = laws is None and exact is None and is_point_block(index, i, count)
+        if points:
             prepare_points(
                 i, blocks, index, count, manifolds, aux, h, h * substeps, beta, compliance, beta_stiff, compliance_stiff
             )  # fmt: skip
@@ -58,6 +59,7 @@ def run_passes(
                 i, blocks, index, count, manifolds, soft.corners, aux, h, h * substeps, beta, compliance, beta_stiff,
                 compliance_stiff, laws,
             )  # fmt: skip
+        bury(i, blocks, index, count, points, exact)
     meet(team)
     for r in range(rounds):
         first, last = blocks_of(sizes, r, count, team, worker)
@@ -106,6 +108,15 @@ def run_passes(
         meet(team)
         if worker == 0:
             lap(profile, 6)
+    if any_buried(blocks, index, count):
+        for _ in range(substeps):
+            for r in range(rounds):
+                first, last = blocks_of(sizes, r, count, team, worker)
+                for i in range(first, last):
+                    if is_buried(i, blocks, index, count):
+                        points = laws is None and exact is None and is_point_block(index, i, count)
+                        dig_out(i, blocks, index, count, rows, h, h * substeps, points, exact)
+                meet(team)
 
 
 @jit

@@ -18,9 +18,11 @@ from stiction.core.lanes import all_of, any_of, gather, greatest, least, load, s
 from stiction.core.solve.blocks import (
     TINY,
     bodies_of,
+    frame_of,
     get3,
     get6,
     patch_matrix,
+    push_bodies,
     put3,
     put_bodies,
     start_twist,
@@ -39,15 +41,10 @@ from stiction.core.solve.soft import (
     SWEEPS,
     TOUCHES,
     allowed,
-    beyond,
     decide_state,
     dynamic_now,
-    frame_of,
     has_error,
     keep_friction,
-    lent,
-    move_apart,
-    push_bodies,
     unit_of,
 )
 from stiction.core.vec import Vec3, columns, cross, dot, transpose
@@ -154,9 +151,7 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
     C = transpose(B)
     v, _, va, wa, vb, wb = twist_now(i, blocks, o, index, count, rows, C, t + h)
     gap = gap_now(i, blocks, o, index, count, rows, C, t)
-    beta, lam0 = load(blocks, o + s.B_BETA), load(blocks, o + s.B_LOAD)
-    bears = load(blocks, o + s.B_SOFT) * lam0
-    aim = allowed(gap, beta, h, bears)
+    aim = allowed(gap, load(blocks, o + s.B_BETA), h)
     near = gap < NEAR
     if points_stay_open(blocks, o, v, aim, near, h, cold, counts):
         return
@@ -166,7 +161,7 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
     mu_s, mu_d = load(blocks, o + s.B_MU_S), dynamic_now(blocks, o, load(blocks, o + s.B_MU_D))
     rigid, left0 = load(blocks, o + s.B_RIGID), load(blocks, o + s.B_LEFT)
     belt = belt_now(blocks, o, h)
-    pull0 = get3(blocks, o + s.B_PULL)
+    lam0, pull0 = load(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL)
     zero = left0 - left0
     lam, pull, left = lam0, Vec3(pull0.x, pull0.y, zero), left0
     gamma = select(gap > (-TOUCHES if cold else 0.0), zero, load(blocks, o + s.B_SOFT))
@@ -239,9 +234,6 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
         decide_state(blocks, o, sliding, inside, excess)
         store(blocks, o + s.B_TOTAL_LOAD, load(blocks, o + s.B_TOTAL_LOAD) + lam)
         keep_friction(blocks, o, pull, Vec3(v.y + belt.x, v.z + belt.y, zero), sliding)
-        way = beyond(gap, beta, bears)
-        if any_of(way > 0.0):
-            move_apart(blocks, o, B, rows, index, i, count, h, K.xx, way, zero, zero)
     force, torque = Vec3(lam - lam0, du, dv), Vec3(zero, zero, zero)
     push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque)
 
@@ -279,17 +271,6 @@ def points_stay_open(blocks, o, v, aim, near, h, cold, counts):
 
 
 @jit
-def lift_points(i, blocks, index, count):
-    """:func:`stiction.core.solve.soft.lift_block` for points."""
-    o = first_row(index, i, count)
-    quiet = load(blocks, o + s.B_FRESH) > s.NEW
-    gap = load(blocks, o + s.B_GAP)
-    lift = lent(gap, load(blocks, o + s.B_LOAD), load(blocks, o + s.B_SOFT), load(blocks, o + s.B_BETA), quiet)
-    store(blocks, o + s.B_LIFT, lift)
-    store(blocks, o + s.B_GAP, gap - lift)
-
-
-@jit
 def miss_of_points(i, blocks, index, count, rows, h, t):
     """By how many m/s the points of block i miss their laws after a step: as
     :func:`stiction.core.solve.exact.miss_of_block`."""
@@ -299,7 +280,7 @@ def miss_of_points(i, blocks, index, count, rows, h, t):
     gap = gap_now(i, blocks, o, index, count, rows, C, t) + v.x * h
     lam, pull, belt = load(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL), get3(blocks, o + s.B_BELT)
     zero = lam - lam
-    error = v.x - allowed(gap, zero, h, zero)
+    error = v.x - allowed(gap, zero, h)
     normal = select(error > 0.0, error, least(size_of(error), lam / load(blocks, o + s.B_RIGID)))
 
     K = get6(blocks, o + s.B_KVV)

@@ -23,12 +23,13 @@ from stiction.core.friction.coulomb import limited_impulse
 from stiction.core.friction.laws import follow_slip, real_force, scaled_slip
 from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slide, times
 from stiction.core.jit import jit
-from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, scatter, select, size_of, sqrt, store
+from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, select, size_of, sqrt, store
 from stiction.core.solve.blocks import (
-    TINY,
+    frame_of,
     get3,
     get4,
     get6,
+    push_bodies,
     put3,
     put4,
     surface_at,
@@ -38,7 +39,7 @@ from stiction.core.solve.blocks import (
 )
 from stiction.core.solve.idle import belt_now, stays_open
 from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
-from stiction.core.vec import Vec3, columns, cross, dot, transpose
+from stiction.core.vec import Vec3, dot, transpose
 
 SWEEPS = 2
 """Alternations of normals and friction within a manifold, where they are not solved together."""
@@ -55,9 +56,8 @@ STIFFNESS = 0.65
 """omega h of a contact between two bodies that can move; twice that where one of them cannot."""
 DAMPING = 10.0
 """Damping ratio; half of it where one body cannot move. High, so that penetrations fade without a bounce."""
-PUSH, GENTLE = 3.0, 0.02
-"""m/s, fastest way out of a penetration; and how much of that, beyond what the load presses in, may become a velocity.
-The rest moves the bodies apart and gives them none: what begins 10 cm deep would jump up by 40 cm."""
+PUSH = 3.0
+"""m/s, fastest push out of a penetration (but see ``solve.depth``)."""
 PATIENCE = 3.0
 """A manifold that sticks may pull beyond the static limit for so many substeps running before it lets go, ..."""
 OVERLOAD = 1.25
@@ -94,13 +94,6 @@ def softness(h):
 
 
 @jit
-def frame_of(blocks, o):
-    """The directions n, u, v of eight patches as the columns of a matrix."""
-    n, u = get3(blocks, o + s.B_NORMAL), get3(blocks, o + s.B_TANGENT)
-    return columns(n, u, cross(n, u))
-
-
-@jit
 def get10(blocks, k):
     """A symmetric matrix of four points."""
     return Sym4(
@@ -129,36 +122,6 @@ def choose10(mask, a, b):
 def unit_of(limit, pull):
     """1 / limit; a limit of nearly nothing must not make numbers whose sixth power is out of range."""
     return 1.0 / greatest(limit, 1e-4 * (size_of(pull.x) + size_of(pull.y) + size_of(pull.z)) + 1e-30)
-
-
-@jit
-def push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque, column=s.ROW_V):
-    """Apply a force and a torque at the anchor, in the frame, to b and their opposites to a; store the velocities, or
-    what else is in ``column``."""
-    arm_a, arm_b = get3(blocks, o + s.B_ARM_A), get3(blocks, o + s.B_ARM_B)
-    dwa = times(get6(blocks, o + s.B_INERTIA_A), cross(arm_a, force) + torque)
-    dwb = times(get6(blocks, o + s.B_INERTIA_B), cross(arm_b, force) + torque)
-    f = B @ force
-    va = va - f * load(blocks, o + s.B_MASS_A)
-    vb = vb + f * load(blocks, o + s.B_MASS_B)
-    wa, wb = wa - B @ dwa, wb + B @ dwb
-    o8 = wa.x - wa.x
-    scatter(rows, index, i, column, (va.x, va.y, va.z, o8, wa.x, wa.y, wa.z, o8))
-    scatter(rows, index, i + count, column, (vb.x, vb.y, vb.z, o8, wb.x, wb.y, wb.z, o8))
-
-
-@jit
-def move_apart(blocks, o, B, rows, index, i, count, h, k, way, center_u, center_v):
-    """Move the bodies of eight manifolds apart for a substep with the speed ``way`` at a point of their planes, at
-    which they answer an impulse along the normal by k: where they are, and not how fast."""
-    force = way * h / greatest(k, TINY)
-    zero = force - force
-    da, ta = vectors_of(rows, index, i, s.ROW_D)
-    db, tb = vectors_of(rows, index, i + count, s.ROW_D)
-    push_bodies(
-        blocks, o, B, rows, index, i, count, da, ta, db, tb, Vec3(force, zero, zero),
-        Vec3(zero, center_v * force, -center_u * force), s.ROW_D,
-    )  # fmt: skip
 
 
 @jit
@@ -237,11 +200,9 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
 
     x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
     gap = gaps_now(i, blocks, o, index, count, rows, C, x, y, t)
-    beta, gamma, lam0 = load(blocks, o + s.B_BETA), get4(blocks, o + s.B_SOFT), get4(blocks, o + s.B_LOAD)
-    bears = Four(gamma.a * lam0.a, gamma.b * lam0.b, gamma.c * lam0.c, gamma.d * lam0.d)
+    beta = load(blocks, o + s.B_BETA)
     aim = Four(
-        allowed(gap.a, beta, h, bears.a), allowed(gap.b, beta, h, bears.b), allowed(gap.c, beta, h, bears.c),
-        allowed(gap.d, beta, h, bears.d),
+        allowed(gap.a, beta, h), allowed(gap.b, beta, h), allowed(gap.c, beta, h), allowed(gap.d, beta, h)
     )  # fmt: skip
     near = lowest(gap) < NEAR
     if exact is None and laws is None and stays_open(blocks, o, v, w, x, y, aim, near, h, cold, counts, rolls):
@@ -257,9 +218,10 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         mu_d = dynamic_now(blocks, o, mu_d)
     rigid, left0 = load(blocks, o + s.B_RIGID), load(blocks, o + s.B_LEFT)
     belt = belt_now(blocks, o, h)
-    pull0 = get3(blocks, o + s.B_PULL)
+    lam0, pull0 = get4(blocks, o + s.B_LOAD), get3(blocks, o + s.B_PULL)
     roll_u0, roll_v0 = load(blocks, o + s.B_ROLL), load(blocks, o + s.B_ROLL + 1)
     lam, pull, roll_u, roll_v, left = lam0, pull0, roll_u0, roll_v0, left0
+    gamma = get4(blocks, o + s.B_SOFT)
     zero = left0 - left0
     # a gap is closed by a rigid contact, for what a soft one leaves would become a penetration; and a new contact that
     # touches gets the load that it will have in the end, to which it is lifted (lift_block)
@@ -426,17 +388,6 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         else:
             keep_sums(blocks, o, less4(lam, get4(blocks, o + s.B_ATTRACT)), pull, slip, slides | yields)
             follow_slip(i, blocks, index, count, rows, aux, 1.0, laws)
-        out = Four(
-            beyond(gap.a, beta, bears.a), beyond(gap.b, beta, bears.b), beyond(gap.c, beta, bears.c),
-            beyond(gap.d, beta, bears.d),
-        )  # fmt: skip
-        way = highest(out)
-        if any_of(way > 0.0):
-            share = 1.0 / greatest(out.a + out.b + out.c + out.d, TINY)
-            cu = (x.a * out.a + x.b * out.b + x.c * out.c + x.d * out.d) * share
-            cv = (y.a * out.a + y.b * out.b + y.c * out.c + y.d * out.d) * share
-            k = Kvv.xx + 2.0 * (cv * k2.x - cu * k3.x) + cv * cv * Kww.yy - 2.0 * cu * cv * Kww.yz + cu * cu * Kww.zz
-            move_apart(blocks, o, B, rows, index, i, count, h, k, way, cu, cv)
 
     da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
     df = real_force(blocks, o, pull - pull0, laws)
@@ -456,43 +407,9 @@ def has_error(error, lam, enough):
 
 
 @jit
-def lift_block(i, blocks, index, count):
-    """Begin quiet new contacts of block i as deep as their loads will have them in the end, without moving the bodies.
-
-    Else a body that is put down gently would sink and tilt by some micrometres within a few substeps, fast enough to
-    break loose on a slope that it should hold on. What is lent here is taken back slowly, and only where the load falls
-    below that of the beginning (:func:`store_lane`).
-    """
-    o = first_row(index, i, count)
-    quiet = load(blocks, o + s.B_FRESH) > s.NEW
-    gap, lam, gamma = get4(blocks, o + s.B_GAP), get4(blocks, o + s.B_LOAD), get4(blocks, o + s.B_SOFT)
-    beta = load(blocks, o + s.B_BETA)
-    lift = Four(
-        lent(gap.a, lam.a, gamma.a, beta, quiet), lent(gap.b, lam.b, gamma.b, beta, quiet),
-        lent(gap.c, lam.c, gamma.c, beta, quiet), lent(gap.d, lam.d, gamma.d, beta, quiet),
-    )  # fmt: skip
-    put4(blocks, o + s.B_LIFT, lift)
-    put4(blocks, o + s.B_GAP, Four(gap.a - lift.a, gap.b - lift.b, gap.c - lift.c, gap.d - lift.d))
-
-
-@jit
-def lent(gap, lam, gamma, beta, quiet):
-    """By how much a point is above the depth -gamma lambda / beta at which its spring carries its load."""
-    zero = gap - gap
-    return select(quiet & (lam > 0.0), greatest(gap + gamma * lam / beta, zero), zero)
-
-
-@jit
-def allowed(gap, beta, h, bears):
-    """Closing speed that is aimed at: over a gap what closes it in a substep, in a penetration a push out of it, hardly
-    faster than what its load presses in, ``bears``, m/s."""
-    return select(gap > 0.0, gap * (1.0 / h), greatest(greatest(gap * beta, -GENTLE - bears), -PUSH))
-
-
-@jit
-def beyond(gap, beta, bears):
-    """What is left of the speed with which a penetration should end, m/s."""
-    return greatest(least(gap * -beta, PUSH) - GENTLE - bears, 0.0)
+def allowed(gap, beta, h):
+    """Closing speed that is aimed at: over a gap what closes it in a substep, in a penetration a push out of it."""
+    return select(gap > 0.0, gap * (1.0 / h), greatest(gap * beta, -PUSH))
 
 
 @jit

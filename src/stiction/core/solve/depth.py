@@ -1,0 +1,170 @@
+"""Penetrations: what is deeper than its load presses in is moved out, and at which depth contacts begin.
+
+A soft contact that is as deep as its load presses it in is at rest. What is deeper has begun so, or was driven there by
+what a step does not see. If contact pushed that out as its spring would, bodies would keep the speed: what begins 10 cm
+deep in the floor would jump up by 40 cm, and a light body between heavy ones would be thrown. So the solver is not told
+of that part of a depth, and after the substeps bodies are moved out of it, and are no faster for it.
+"""
+
+from __future__ import annotations
+
+from stiction.core import soft_rows as s
+from stiction.core.colouring import first_row
+from stiction.core.jit import jit
+from stiction.core.lanes import any_of, greatest, least, load, select, store
+from stiction.core.solve.blocks import TINY, frame_of, get4, get6, push_bodies, put4, vectors_of
+from stiction.core.solve.normals import Four, highest, lowest
+from stiction.core.solve.points import gap_now
+from stiction.core.solve.soft import PUSH, gaps_now
+from stiction.core.vec import Vec3, transpose
+
+GENTLE = 0.02
+"""m/s: as fast as that, besides what the load presses in, contact may push; the solver is not told of more."""
+
+RATE = 0.3
+"""Of what is too deep, that is dug out in each substep; no faster than PUSH."""
+
+
+@jit
+def bury(i, blocks, index, count, points, exact):
+    """Set what is too deep in block i apart, in B_BURIED: the solver finds it less deep by that. ``points``: whether
+    these are single points; ``exact``: whether contacts are rigid."""
+    o = first_row(index, i, count)
+    gap = load(blocks, o + s.B_GAP) if points else lowest(get4(blocks, o + s.B_GAP))
+    beta = load(blocks, o + s.B_BETA)
+    if any_of(gap * beta < -GENTLE):
+        if points:
+            buried = too_fast(gap, beta, borne_by_points(blocks, o)) / beta
+            store(blocks, o + s.B_GAP, gap + buried)
+        else:
+            four = get4(blocks, o + s.B_GAP)
+            buried = highest(all_too_fast(four, beta, borne_by_faces(blocks, o, exact))) / beta
+            put4(blocks, o + s.B_GAP, Four(four.a + buried, four.b + buried, four.c + buried, four.d + buried))
+        store(blocks, o + s.B_BURIED, buried)
+    else:
+        store(blocks, o + s.B_BURIED, beta - beta)
+
+
+@jit
+def is_buried(i, blocks, index, count):
+    """Whether something in block i was too deep."""
+    return any_of(load(blocks, first_row(index, i, count) + s.B_BURIED) > 0.0)
+
+
+@jit
+def any_buried(blocks, index, count):
+    """Whether something was too deep."""
+    for i in range(count):
+        if is_buried(i, blocks, index, count):
+            return True
+    return False
+
+
+@jit
+def dig_out(i, blocks, index, count, rows, h, t, points, exact):
+    """Move what was too deep in block i out of it for the time h, from the time t of the step on."""
+    o = first_row(index, i, count)
+    B = frame_of(blocks, o)
+    buried, beta = load(blocks, o + s.B_BURIED), load(blocks, o + s.B_BETA)
+    zero = beta - beta
+    if points:
+        gap = gap_now(i, blocks, o, index, count, rows, transpose(B), t) - buried
+        way = too_fast(gap, beta, borne_by_points(blocks, o))
+        k, u, v = load(blocks, o + s.B_KVV), zero, zero
+    else:
+        x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
+        gap = gaps_now(i, blocks, o, index, count, rows, transpose(B), x, y, t)
+        gap = Four(gap.a - buried, gap.b - buried, gap.c - buried, gap.d - buried)
+        each = all_too_fast(gap, beta, borne_by_faces(blocks, o, exact))
+        way = highest(each)
+        # where these points are in the mean
+        share = 1.0 / greatest(each.a + each.b + each.c + each.d, TINY)
+        u = (x.a * each.a + x.b * each.b + x.c * each.c + x.d * each.d) * share
+        v = (y.a * each.a + y.b * each.b + y.c * each.c + y.d * each.d) * share
+        K, W = get6(blocks, o + s.B_KVV), get6(blocks, o + s.B_KWW)
+        k2, k3 = load(blocks, o + s.B_KWV + 3), load(blocks, o + s.B_KWV + 6)
+        k = K.xx + 2.0 * (v * k2 - u * k3) + v * v * W.yy - 2.0 * u * v * W.yz + u * u * W.zz
+    way = select(buried > 0.0, least(way / beta * (RATE / h), PUSH), zero)
+    move_apart(blocks, o, B, rows, index, i, count, h, way, k, u, v)
+
+
+@jit
+def too_fast(gap, beta, borne):
+    """By how much contact would push faster than it may out of a penetration: than GENTLE, and ``borne``, m/s."""
+    return greatest(gap * -beta - GENTLE - borne, 0.0)
+
+
+@jit
+def all_too_fast(gap, beta, borne):
+    """:func:`too_fast` for four points."""
+    return Four(
+        too_fast(gap.a, beta, borne.a), too_fast(gap.b, beta, borne.b), too_fast(gap.c, beta, borne.c),
+        too_fast(gap.d, beta, borne.d),
+    )  # fmt: skip
+
+
+@jit
+def borne_by_points(blocks, o):
+    """How fast contact would push out of the depth to which a load presses single points, m/s."""
+    return load(blocks, o + s.B_SOFT) * load(blocks, o + s.B_LOAD)
+
+
+@jit
+def borne_by_faces(blocks, o, exact):
+    """The same for the points of faces; rigid ones give way by nothing."""
+    soft, lam = get4(blocks, o + s.B_SOFT), get4(blocks, o + s.B_LOAD)
+    if exact is not None:
+        return Four(lam.a - lam.a, lam.b - lam.b, lam.c - lam.c, lam.d - lam.d)
+    return Four(soft.a * lam.a, soft.b * lam.b, soft.c * lam.c, soft.d * lam.d)
+
+
+@jit
+def move_apart(blocks, o, B, rows, index, i, count, h, way, k, u, v):
+    """Move the bodies of eight manifolds apart for the time h with the speed ``way`` at the point u, v of their planes,
+    at which they answer an impulse along the normal by k: where they are, and not how fast."""
+    force = way * h / greatest(k, TINY)
+    zero = force - force
+    da, ta = vectors_of(rows, index, i, s.ROW_D)
+    db, tb = vectors_of(rows, index, i + count, s.ROW_D)
+    push_bodies(
+        blocks, o, B, rows, index, i, count, da, ta, db, tb, Vec3(force, zero, zero), Vec3(zero, v * force, -u * force),
+        s.ROW_D,
+    )  # fmt: skip
+
+
+@jit
+def lift_block(i, blocks, index, count):
+    """Begin quiet new contacts of block i as deep as their loads will have them in the end, without moving the bodies.
+
+    Else a body that is put down gently would sink and tilt by some micrometres within a few substeps, fast enough to
+    break loose on a slope that it should hold on. What is lent here is taken back slowly, and only where the load falls
+    below that of the beginning (:func:`stiction.core.solve.results.store_lane`).
+    """
+    o = first_row(index, i, count)
+    quiet = load(blocks, o + s.B_FRESH) > s.NEW
+    gap, lam, gamma = get4(blocks, o + s.B_GAP), get4(blocks, o + s.B_LOAD), get4(blocks, o + s.B_SOFT)
+    beta = load(blocks, o + s.B_BETA)
+    lift = Four(
+        lent(gap.a, lam.a, gamma.a, beta, quiet), lent(gap.b, lam.b, gamma.b, beta, quiet),
+        lent(gap.c, lam.c, gamma.c, beta, quiet), lent(gap.d, lam.d, gamma.d, beta, quiet),
+    )  # fmt: skip
+    put4(blocks, o + s.B_LIFT, lift)
+    put4(blocks, o + s.B_GAP, Four(gap.a - lift.a, gap.b - lift.b, gap.c - lift.c, gap.d - lift.d))
+
+
+@jit
+def lift_points(i, blocks, index, count):
+    """:func:`lift_block` for points."""
+    o = first_row(index, i, count)
+    quiet = load(blocks, o + s.B_FRESH) > s.NEW
+    gap = load(blocks, o + s.B_GAP)
+    lift = lent(gap, load(blocks, o + s.B_LOAD), load(blocks, o + s.B_SOFT), load(blocks, o + s.B_BETA), quiet)
+    store(blocks, o + s.B_LIFT, lift)
+    store(blocks, o + s.B_GAP, gap - lift)
+
+
+@jit
+def lent(gap, lam, gamma, beta, quiet):
+    """By how much a point is above the depth -gamma lambda / beta at which its spring carries its load."""
+    zero = gap - gap
+    return select(quiet & (lam > 0.0), greatest(gap + gamma * lam / beta, zero), zero)
