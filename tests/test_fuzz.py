@@ -1,7 +1,8 @@
 """Random scenes of every size, shape and mass ratio: no NaN, no crash, and no energy out of nothing.
 
-The number of a scene is its seed. ``STICTION_FUZZ_SCENES`` says how many are tried (40), besides some in which needles
-that rolled fast once gained up to their whole energy when they were turned round.
+The number of a scene is its seed. ``STICTION_FUZZ_SCENES`` says how many are tried (200), besides those in which bodies
+once gained up to a thousand times what they had: needles that were turned round as they rolled fast or tumbled, and
+bodies that began in each other.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import pytest
 
 import stiction as st
 
-NEEDLES = (201, 1328, 1543, 1578)
-SCENES = int(os.environ.get("STICTION_FUZZ_SCENES", "40"))
+ONCE_BAD = (201, 455, 491, 715, 1055, 1124, 1328, 1524, 1543, 1578, 1831, 1923, 1942, 1982, 2627)
+SCENES = int(os.environ.get("STICTION_FUZZ_SCENES", "200"))
 pytestmark = pytest.mark.filterwarnings("ignore::stiction.errors.IterationLimitWarning")
 
 
@@ -39,8 +40,8 @@ def shape(rng: np.random.Generator, size: float) -> st.Shape:
     return st.ConvexHull(points)
 
 
-def scene(rng: np.random.Generator) -> tuple[st.World, bool]:
-    """Some bodies over a floor, apart or into each other; says whether they may overlap."""
+def scene(rng: np.random.Generator) -> st.World:
+    """Some bodies over a floor, apart or into each other."""
     # never quite 0, so that all scenes run the same kernel
     restitution = float(rng.choice([1e-6, 1e-6, 0.5, 1.0]))
     dynamic = rng.uniform(0.0, 1.0)
@@ -67,12 +68,12 @@ def scene(rng: np.random.Generator) -> tuple[st.World, bool]:
             angular_velocity=rng.normal(size=3) * rng.choice([0.0, 1.0]) / np.sqrt(size),
             mass=1000.0 * size**3 * 10.0 ** rng.uniform(-3, 3),
         )
-    return world, overlap
+    return world
 
 
-@pytest.mark.parametrize("number", sorted({*range(SCENES), *NEEDLES}))
+@pytest.mark.parametrize("number", sorted({*range(SCENES), *ONCE_BAD}))
 def test_a_random_scene_ends_without_nan_and_with_no_more_energy(number: int) -> None:
-    world, overlap = scene(np.random.default_rng(number))
+    world = scene(np.random.default_rng(number))
     floor = float(world.bodies[0].position[2])
     moving = [body for body in world.bodies if body.mobility == "dynamic"]
 
@@ -84,9 +85,7 @@ def test_a_random_scene_ends_without_nan_and_with_no_more_energy(number: int) ->
 
     world.step()
     start = energy()
-    # what overlaps is pushed out, at 3 m/s at most, and lifted
-    given = sum(body.mass for body in moving) * 3.0**2 / 2 if overlap else 0.0
     for _ in range(40):
         world.step(5)
         assert np.isfinite(world.positions).all() and np.isfinite(world.velocities).all()
-        assert energy() <= (1.0 + 1e-5) * start + given + 1e-9
+        assert energy() <= (1.0 + 1e-5) * start

@@ -97,8 +97,10 @@ def give_to_tumblers(active, count, soft, laws):
             by_a, by_b = math.inf, -math.inf
         elif odd == 2.0 * s.TUMBLES:
             by_a = by_b = 0.5 * (by_a + by_b)
-        aux[a, s.AUX_GIVEN] -= by_b
-        aux[b, s.AUX_GIVEN] += by_a
+        if pose[a, s.POSE_ODD] >= s.TUMBLES:
+            aux[a, s.AUX_GIVEN] -= by_b
+        if pose[b, s.POSE_ODD] >= s.TUMBLES:
+            aux[b, s.AUX_GIVEN] += by_a
 
 
 @jit
