@@ -13,9 +13,9 @@ from stiction.core.jit import jit
 from stiction.core.lanes import LANES, store
 from stiction.core.manifolds import NOWHERE
 from stiction.core.solve.blocks import prepare_block
-from stiction.core.solve.depth import lift_block
+from stiction.core.solve.depth import lift_block, lift_points
 from stiction.core.solve.exact import miss_of_block
-from stiction.core.solve.points import lift_points, miss_of_points, prepare_points, solve_points, warm_points
+from stiction.core.solve.points import miss_of_points, prepare_points, solve_points, warm_points
 from stiction.core.solve.results import store_blocks
 from stiction.core.solve.soft import softness, solve_block, warm_block
 from stiction.core.state import LEDGER_WIDTH

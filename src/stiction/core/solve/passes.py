@@ -78,8 +78,11 @@ def run_passes(
                     if has_fresh(i, blocks, index, count):
                         solve_any(i, blocks, index, count, rows, aux, h, 0.0, True, False, rolls, laws, exact)
                 meet(team)
-            if turn % COLD_PASSES == COLD_PASSES - 1 and last_change(blocks, index, count) < COLD_ENOUGH:
-                break
+            if turn % COLD_PASSES == COLD_PASSES - 1:
+                ends = last_change(blocks, index, count) < COLD_ENOUGH
+                meet(team)  # who is late must not see what the next pass has changed
+                if ends:
+                    break
         first, last = share(team, worker, 0, count)
         for i in range(first, last):
             if not has_fresh(i, blocks, index, count):
@@ -108,15 +111,13 @@ def run_passes(
         meet(team)
         if worker == 0:
             lap(profile, 6)
-    if any_buried(blocks, index, count):
+    if worker == 0 and any_buried(blocks, index, count):
+        # by the leader alone: it is little, and seldom
         for _ in range(substeps):
-            for r in range(rounds):
-                first, last = blocks_of(sizes, r, count, team, worker)
-                for i in range(first, last):
-                    if is_buried(i, blocks, index, count):
-                        points = laws is None and exact is None and is_point_block(index, i, count)
-                        dig_out(i, blocks, index, count, rows, h, h * substeps, points, exact)
-                meet(team)
+            for i in range(count):
+                if is_buried(i, blocks, index, count):
+                    points = laws is None and exact is None and is_point_block(index, i, count)
+                    dig_out(i, blocks, index, count, rows, h, h * substeps, points, exact)
 
 
 @jit
