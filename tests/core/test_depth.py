@@ -10,7 +10,7 @@ import pytest
 from stiction.core import soft_rows as s
 from stiction.core.lanes import LANES
 from stiction.core.solve.blocks import prepare_block
-from stiction.core.solve.depth import GENTLE, RATE, bury, dig_out
+from stiction.core.solve.depth import GENTLE, RATE, bury_faces, bury_points, dig_faces_out, dig_points_out
 from stiction.core.solve.points import prepare_points
 from stiction.core.solve.soft import PUSH, softness
 
@@ -25,9 +25,9 @@ def dig_points(
     """A block of points, and so many sweeps."""
     beta, soft, stiff_beta, stiff_soft = softness(h)
     prepare_points(0, blocks, index, 1, manifolds, aux, h, SUBSTEPS * h, beta, soft, stiff_beta, stiff_soft)
-    bury(0, blocks, index, 1, True, None)
+    bury_points(0, blocks, index, 1)
     for _ in range(sweeps):
-        dig_out(0, blocks, index, 1, rows, h, 0.0, True, None)
+        dig_points_out(0, blocks, index, 1, rows, h, 0.0)
 
 
 def dig_faces(
@@ -38,9 +38,9 @@ def dig_faces(
     prepare_block(
         0, blocks, index, 1, manifolds, corners, aux, h, SUBSTEPS * h, beta, soft, stiff_beta, stiff_soft, None
     )
-    bury(0, blocks, index, 1, False, None)
+    bury_faces(0, blocks, index, 1, None)
     for _ in range(sweeps):
-        dig_out(0, blocks, index, 1, rows, h, 0.0, False, None)
+        dig_faces_out(0, blocks, index, 1, rows, h, 0.0, None)
 
 
 def test_points_are_dug_out_as_faces_without_extent_are(rng: np.random.Generator) -> None:

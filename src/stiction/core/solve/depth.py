@@ -26,23 +26,28 @@ RATE = 0.3
 
 
 @jit
-def bury(i, blocks, index, count, points, exact):
-    """Set what is too deep in block i apart, in B_BURIED: the solver finds it less deep by that. ``points``: whether
-    these are single points; ``exact``: whether contacts are rigid."""
+def bury_faces(i, blocks, index, count, exact):
+    """Set what is too deep in block i apart, in B_BURIED: the solver finds it less deep by that. ``exact``: whether
+    contacts are rigid."""
     o = first_row(index, i, count)
-    gap = load(blocks, o + s.B_GAP) if points else lowest(get4(blocks, o + s.B_GAP))
-    beta = load(blocks, o + s.B_BETA)
+    gap, beta = get4(blocks, o + s.B_GAP), load(blocks, o + s.B_BETA)
+    buried = beta - beta
+    if any_of(lowest(gap) * beta < -GENTLE):
+        buried = highest(all_too_fast(gap, beta, borne_by_faces(blocks, o, exact))) / beta
+        put4(blocks, o + s.B_GAP, Four(gap.a + buried, gap.b + buried, gap.c + buried, gap.d + buried))
+    store(blocks, o + s.B_BURIED, buried)
+
+
+@jit
+def bury_points(i, blocks, index, count):
+    """:func:`bury_faces` for single points."""
+    o = first_row(index, i, count)
+    gap, beta = load(blocks, o + s.B_GAP), load(blocks, o + s.B_BETA)
+    buried = beta - beta
     if any_of(gap * beta < -GENTLE):
-        if points:
-            buried = too_fast(gap, beta, borne_by_points(blocks, o)) / beta
-            store(blocks, o + s.B_GAP, gap + buried)
-        else:
-            four = get4(blocks, o + s.B_GAP)
-            buried = highest(all_too_fast(four, beta, borne_by_faces(blocks, o, exact))) / beta
-            put4(blocks, o + s.B_GAP, Four(four.a + buried, four.b + buried, four.c + buried, four.d + buried))
-        store(blocks, o + s.B_BURIED, buried)
-    else:
-        store(blocks, o + s.B_BURIED, beta - beta)
+        buried = too_fast(gap, beta, borne_by_points(blocks, o)) / beta
+        store(blocks, o + s.B_GAP, gap + buried)
+    store(blocks, o + s.B_BURIED, buried)
 
 
 @jit
@@ -61,31 +66,41 @@ def any_buried(blocks, index, count):
 
 
 @jit
-def dig_out(i, blocks, index, count, rows, h, t, points, exact):
+def dig_faces_out(i, blocks, index, count, rows, h, t, exact):
     """Move what was too deep in block i out of it for the time h, from the time t of the step on."""
     o = first_row(index, i, count)
     B = frame_of(blocks, o)
     buried, beta = load(blocks, o + s.B_BURIED), load(blocks, o + s.B_BETA)
+    x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
+    gap = gaps_now(i, blocks, o, index, count, rows, transpose(B), x, y, t)
+    gap = Four(gap.a - buried, gap.b - buried, gap.c - buried, gap.d - buried)
+    each = all_too_fast(gap, beta, borne_by_faces(blocks, o, exact))
+    # where these points are in the mean
+    share = 1.0 / greatest(each.a + each.b + each.c + each.d, TINY)
+    u = (x.a * each.a + x.b * each.b + x.c * each.c + x.d * each.d) * share
+    v = (y.a * each.a + y.b * each.b + y.c * each.c + y.d * each.d) * share
+    K, W = get6(blocks, o + s.B_KVV), get6(blocks, o + s.B_KWW)
+    k2, k3 = load(blocks, o + s.B_KWV + 3), load(blocks, o + s.B_KWV + 6)
+    k = K.xx + 2.0 * (v * k2 - u * k3) + v * v * W.yy - 2.0 * u * v * W.yz + u * u * W.zz
+    move_apart(blocks, o, B, rows, index, i, count, h, way_out(highest(each), buried, beta, h), k, u, v)
+
+
+@jit
+def dig_points_out(i, blocks, index, count, rows, h, t):
+    """:func:`dig_faces_out` for single points."""
+    o = first_row(index, i, count)
+    B = frame_of(blocks, o)
+    buried, beta = load(blocks, o + s.B_BURIED), load(blocks, o + s.B_BETA)
+    gap = gap_now(i, blocks, o, index, count, rows, transpose(B), t) - buried
+    way = way_out(too_fast(gap, beta, borne_by_points(blocks, o)), buried, beta, h)
     zero = beta - beta
-    if points:
-        gap = gap_now(i, blocks, o, index, count, rows, transpose(B), t) - buried
-        way = too_fast(gap, beta, borne_by_points(blocks, o))
-        k, u, v = load(blocks, o + s.B_KVV), zero, zero
-    else:
-        x, y = get4(blocks, o + s.B_U), get4(blocks, o + s.B_V)
-        gap = gaps_now(i, blocks, o, index, count, rows, transpose(B), x, y, t)
-        gap = Four(gap.a - buried, gap.b - buried, gap.c - buried, gap.d - buried)
-        each = all_too_fast(gap, beta, borne_by_faces(blocks, o, exact))
-        way = highest(each)
-        # where these points are in the mean
-        share = 1.0 / greatest(each.a + each.b + each.c + each.d, TINY)
-        u = (x.a * each.a + x.b * each.b + x.c * each.c + x.d * each.d) * share
-        v = (y.a * each.a + y.b * each.b + y.c * each.c + y.d * each.d) * share
-        K, W = get6(blocks, o + s.B_KVV), get6(blocks, o + s.B_KWW)
-        k2, k3 = load(blocks, o + s.B_KWV + 3), load(blocks, o + s.B_KWV + 6)
-        k = K.xx + 2.0 * (v * k2 - u * k3) + v * v * W.yy - 2.0 * u * v * W.yz + u * u * W.zz
-    way = select(buried > 0.0, least(way / beta * (RATE / h), PUSH), zero)
-    move_apart(blocks, o, B, rows, index, i, count, h, way, k, u, v)
+    move_apart(blocks, o, B, rows, index, i, count, h, way, load(blocks, o + s.B_KVV), zero, zero)
+
+
+@jit
+def way_out(fast, buried, beta, h):
+    """The speed with which bodies are moved apart that contact would push too ``fast``, m/s, where they were buried."""
+    return select(buried > 0.0, least(fast / beta * (RATE / h), PUSH), beta - beta)
 
 
 @jit

@@ -10,7 +10,16 @@ from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
-from stiction.core.solve.depth import any_buried, bury, dig_out, is_buried, lift_block, lift_points
+from stiction.core.solve.depth import (
+    any_buried,
+    bury_faces,
+    bury_points,
+    dig_faces_out,
+    dig_points_out,
+    is_buried,
+    lift_block,
+    lift_points,
+)
 from stiction.core.solve.exact import iterate, rigidity
 from stiction.core.solve.points import prepare_points, solve_points, warm_points
 from stiction.core.solve.soft import (
@@ -49,17 +58,17 @@ def run_passes(
         ask_for_bodies(index, i + 1, count, aux, s.AUX_ROTATION, many)
         ask_for_bodies(index, i + 1, count, aux, s.AUX_INERTIA, many)
         ask_for_block(index, i + 1, count, manifolds, s.MANIFOLD_WIDTH, many)
-        points = laws is None and exact is None and is_point_block(index, i, count)
-        if points:
+        if laws is None and exact is None and is_point_block(index, i, count):
             prepare_points(
                 i, blocks, index, count, manifolds, aux, h, h * substeps, beta, compliance, beta_stiff, compliance_stiff
             )  # fmt: skip
+            bury_points(i, blocks, index, count)
         else:
             prepare_block(
                 i, blocks, index, count, manifolds, soft.corners, aux, h, h * substeps, beta, compliance, beta_stiff,
                 compliance_stiff, laws,
             )  # fmt: skip
-        bury(i, blocks, index, count, points, exact)
+            bury_faces(i, blocks, index, count, exact)
     meet(team)
     for r in range(rounds):
         first, last = blocks_of(sizes, r, count, team, worker)
@@ -115,9 +124,12 @@ def run_passes(
         # by the leader alone: it is little, and seldom
         for _ in range(substeps):
             for i in range(count):
-                if is_buried(i, blocks, index, count):
-                    points = laws is None and exact is None and is_point_block(index, i, count)
-                    dig_out(i, blocks, index, count, rows, h, h * substeps, points, exact)
+                if not is_buried(i, blocks, index, count):
+                    continue
+                if laws is None and exact is None and is_point_block(index, i, count):
+                    dig_points_out(i, blocks, index, count, rows, h, h * substeps)
+                else:
+                    dig_faces_out(i, blocks, index, count, rows, h, h * substeps, exact)
 
 
 @jit
