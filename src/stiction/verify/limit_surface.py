@@ -124,19 +124,25 @@ def _newton(polygon: Array, x: Array, center: Array) -> Array:
 
     value, residual, H = state(x)
     for _ in range(NEWTON_STEPS):
-        if np.abs(residual).max() < SETTLED:
+        if _size(residual) < SETTLED:
             return x
         step = -np.linalg.solve(H, residual)
         length = 1.0
         while length > 1e-9:
             new_value, new_residual, new_H = state(x + length * step)
-            if new_value <= value + 1e-4 * length * float(residual @ step) + 1e-13 * abs(value):
+            falls = new_value <= value + 1e-4 * length * float(residual @ step)
+            # near the solution the value falls by less than it is rounded to, what is left of the equations does not
+            if falls or _size(new_residual) < 0.5 * _size(residual):
                 break
             length *= 0.5
         x, value, residual, H = x + length * step, new_value, new_residual, new_H
-    if np.abs(residual).max() > 1e-8:
+    if _size(residual) > 1e-8:
         raise ValueError(f"No pressure without tension was found with its centre at {center}.")
     return x
+
+
+def _size(residual: Array) -> float:
+    return float(np.abs(residual).max())
 
 
 def friction_of(face: Face, twists: Array) -> Array:
