@@ -10,11 +10,22 @@ import numpy as np
 import pytest
 
 from stiction.core import state
+from stiction.core.collide.hulls import convex_of, depth_in
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.vec import Vec3
 
 from .support import Array, Placed, box, matrix_of, random_unit, rows_of
-from .test_collide_shapes import KINDS, TABLE, along, best_separation, hull, least_width, random_pair
+from .test_collide_shapes import (
+    KINDS,
+    TABLE,
+    along,
+    best_separation,
+    hull,
+    least_width,
+    random_pair,
+    random_shape,
+    support,
+)
 
 PAIRS = [(a, b) for k, a in enumerate(KINDS) for b in KINDS[k:]]
 every_pair = pytest.mark.parametrize("kinds", PAIRS, ids=" and ".join)
@@ -41,8 +52,7 @@ def turned(rng: np.random.Generator, n: Array, angle: float) -> Array:
     return np.asarray(matrix_of(np.array([math.cos(0.5 * angle), *(math.sin(0.5 * angle) * random_unit(rng))])) @ n)
 
 
-@every_pair
-def test_a_hint_loses_no_contact_and_finds_as_good_a_normal(rng: np.random.Generator, kinds: tuple[str, str]) -> None:
+def find_with_hints(rng: np.random.Generator, kinds: tuple[str, str]) -> None:
     """Hints as those of bodies that have turned by up to half a radian, and sometimes of nowhere."""
     margin = 0.02
     for gap in (-0.05, -0.01, -1e-3, -1e-5, 1e-5, 1e-3, 0.01, 0.04):
@@ -70,6 +80,19 @@ def test_a_hint_loses_no_contact_and_finds_as_good_a_normal(rng: np.random.Gener
                 depths = [rows[:, state.SEPARATION].min() for rows in (plain, hinted)]
                 assert depths[1] <= depths[0] + slack, (kinds, gap, angle, depths)
                 assert depths[1] >= depths[0] - slack, (kinds, gap, angle, depths)
+
+
+@every_pair
+def test_a_hint_loses_no_contact_and_finds_as_good_a_normal(rng: np.random.Generator, kinds: tuple[str, str]) -> None:
+    find_with_hints(rng, kinds)
+
+
+@pytest.mark.parametrize(
+    ("seed", "kinds"), [(748340348, ("box", "hull")), (3134012665, ("cylinder", "hull"))], ids=["face", "climb"]
+)
+def test_hints_that_led_astray(seed: int, kinds: tuple[str, str]) -> None:
+    """To a face beside whose border two edges are less deep; to a climb that began at the best face alone."""
+    find_with_hints(np.random.default_rng(seed), kinds)
 
 
 @every_pair
@@ -119,3 +142,23 @@ def test_points_over_a_face_are_none_where_what_overlaps_lies_beside_it() -> Non
     for margin in (1e-3, 0.02, 0.05):
         rows, _, _ = look(stone, block, margin)
         assert rows[:, state.SEPARATION].min() == pytest.approx(-0.0019, abs=5e-4)
+
+
+@numba.njit(error_model="numpy")
+def _depth_in(bodies: Any, kinds: Any, p: Any, hulls: Any) -> float:
+    X = convex_of(bodies, kinds, 0, Vec3(0.0, 0.0, 0.0), hulls)
+    return depth_in(X, hulls, Vec3(p[0], p[1], p[2]))
+
+
+@pytest.mark.parametrize("kind", ["box", "cylinder", "hull"])
+def test_a_point_is_as_deep_as_the_largest_ball_about_it(rng: np.random.Generator, kind: str) -> None:
+    """How far a shape reaches in each direction, less what the point does, is least towards its nearest border."""
+    for _ in range(20):
+        a = random_shape(rng, kind)
+        bodies, kinds = rows_of(a)
+        p = 0.1 * rng.normal(size=3)
+        n = rng.normal(size=(20_000, 3))
+        n /= np.linalg.norm(n, axis=1)[:, None]
+        deep, brute = _depth_in(bodies, kinds, p, TABLE.arrays), float((support(a, n) - n @ p).min())
+        assert (deep < 0.0) if brute < 0.0 else deep <= brute + 1e-12
+        assert brute < 0.0 or deep == pytest.approx(brute, abs=0.03)

@@ -5,10 +5,11 @@ First the direction along which they are farthest apart, or least deep in each o
 is as good as the best direction is the reference, and what lies over it is clipped to it.
 
 A pair that was looked at a moment ago has a direction to begin with. All faces that could be better than it are tried;
-and if the deepest of the points that lie over the best face is as deep as the shapes are along its normal, this is the
-best direction far and wide: with x the point of the one shape and f the foot below it, in the other shape, at height
-h = n . (x - f), sigma(m) <= m . (x - f) = h m . n for any m. Else one climbs from there; the edges of polytopes need
-not be tried in pairs.
+and if the deepest of the points that lie over the best face is as deep as the shapes are along its normal, this may be
+the best direction far and wide: with x the point of the one shape and f the foot below it, in the other shape, at
+height h = n . (x - f), sigma(m) <= m . (x - f) = h m . n <= |h| for any m. If they overlap by more than what is slack
+anyway, it is the best if x is as far from all of the other's border: sigma(m) <= -d if a ball of radius d about x is
+in it. Else one climbs from there; the edges of polytopes need not be tried in pairs.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from stiction.core.collide.directions import (
 )
 from stiction.core.collide.ellipsoid import is_smooth, sharpen
 from stiction.core.collide.gjk import closest
-from stiction.core.collide.hulls import NOTHING, POINT, face_below, support
+from stiction.core.collide.hulls import NOTHING, POINT, depth_in, face_below, support
 from stiction.core.collide.manifold import ENDLESS, emit, put_lead, put_radii, reduce
 from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, dot, length, vec3
@@ -107,14 +108,20 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
         for i in range(found):
             deepest = min(deepest, points[i, 3])
     sure = known and found > 0 and deepest <= face_sigma - r + slack
+    if sure and face_sigma < -0.5 * slack:
+        x = _middle(points, found, out, X.radius, deepest + slack)
+        sure = depth_in(F, hulls, x) >= -face_sigma - slack
     if not sure and not apart:
-        if known or curved:
+        if known:
+            gap, enough = LEAST_LIFT * small, NEARLY * small
+            apart, n, sigma, wa, wb = climb(A, B, hulls, n, sigma, wa, wb, gap, floor, GOOD, enough, CLIMBS)
+            if face_sigma > sigma:
+                apart, n, sigma, wa, wb = climb(
+                    A, B, hulls, face_n, face_sigma, wa, wb, gap, floor, GOOD, enough, CLIMBS
+                )
+        elif curved:
             if face_sigma > sigma:
                 n, sigma = face_n, face_sigma
-        if known:
-            gap = LEAST_LIFT * small
-            apart, n, sigma, wa, wb = climb(A, B, hulls, n, sigma, wa, wb, gap, floor, GOOD, NEARLY * small, CLIMBS)
-        elif curved:
             _, n, sigma, wa, wb = look_around(A, B, hulls, n, sigma, wa, wb)
         else:
             n, sigma, wa, wb, feature = best_edges(A, B, hulls)
@@ -128,7 +135,7 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
         normal = face_n
         if deepest > max(sigma, face_sigma) - r + 2.0 * slack:
             found = 0  # the nearest place lies beside the face
-        if found == 0 and face_sigma > sigma + slack:
+        if found == 0 and face_sigma > sigma:
             # the face of X that looks at this one lies beside it: X touches with its lowest point
             n, sigma, feature = face_n, face_sigma, -1
             p = support(X, hulls, -out)
@@ -160,3 +167,13 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
             feature = (1 << 36) | (fa << 18) | fb
         count = emit(contacts, tags, count, a, b, origin + point, n, sigma - r, feature)
     return count, n, sigma - r
+
+
+@jit
+def _middle(points, found, n, radius, most):
+    """The mean of the points of a core that lie over a face with the normal n, of those no higher than ``most``."""
+    p, number = Vec3(0.0, 0.0, 0.0), 0.0
+    for i in range(found):
+        if points[i, 3] <= most:
+            p, number = p + vec3(points, i, 0) + n * (radius + 0.5 * points[i, 3]), number + 1.0
+    return p * (1.0 / number)

@@ -219,6 +219,21 @@ def face_below(X, hulls, p):
     return best, X.R @ n
 
 
+@jit
+def depth_in(X, hulls, p):
+    """How far p, in a core with faces, is from the border of it; negative outside."""
+    m = transpose(X.R) @ (p - X.p)
+    if X.round:
+        return min(X.scale.z - abs(m.z), X.scale.x - math.sqrt(m.x * m.x + m.y * m.y))
+    if X.hull == CUBE:
+        return min(X.scale.x - abs(m.x), min(X.scale.y - abs(m.y), X.scale.z - abs(m.z)))
+    planes, least = hulls.planes, math.inf
+    first = hulls.spans[X.hull, 2]
+    for i in range(first, first + hulls.spans[X.hull, 3]):
+        least = min(least, planes[i, 3] - planes[i, 0] * m.x - planes[i, 1] * m.y - planes[i, 2] * m.z)
+    return least
+
+
 @inlined
 def corner_count(X, hulls, f):
     """Corners of face f, as it is clipped."""
