@@ -40,11 +40,11 @@ def as_points(blocks: Any, index: Any, manifolds: Any, corners: Any, aux: Any, r
     prepare_points(0, blocks, index, 1, manifolds, aux, h, SUBSTEPS * h, beta, soft, stiff_beta, stiff_soft)
     warm_points(0, blocks, index, 1, rows)
     for _ in range(cold):
-        solve_points(0, blocks, index, 1, rows, h, 0.0, True, False)
+        solve_points(0, blocks, index, 1, rows, aux, h, 0.0, True, False)
     if cold > 0:
         lift_points(0, blocks, index, 1)
     for k in range(SUBSTEPS):
-        solve_points(0, blocks, index, 1, rows, h, k * h, False, True)
+        solve_points(0, blocks, index, 1, rows, aux, h, k * h, False, True)
         go(rows, h)
 
 

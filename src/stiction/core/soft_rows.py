@@ -100,7 +100,7 @@ the pair's coefficient of restitution; by how much points lie higher along the n
     B_WORK,  # what friction has taken in this step, J
     B_FRESH,  # NEW or QUIET for a manifold that is new in this step
     B_SCALE,  # the block's mass, kg: impulses are in units of it times m/s, so numbers are of order one at any scale
-    B_MISS,  # by how much the manifold misses its laws, m/s (solve.exact)
+    B_MISS,  # by how much the manifold misses its laws, m/s (solve.exact, cold passes); else whether a pass struck it
     B_START,  # 3, a against b at the place of contact at the start of the step: closing speed, spin about u and v
     B_WANDER,  # how fast that closing speed changes because the place wanders away from the arms, m/s^2
     B_BURIED,  # by how much the points are deeper than their separations say (solve.depth), m
@@ -143,7 +143,7 @@ ROW_V, ROW_W, ROW_D, ROW_TURN, ROW_WIDTH = 0, 4, 8, 12, 16
 and rotation vector from what these would have made."""
 
 AUX_START_V, AUX_START_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WORK = 0, 4, 8, 17, 18, 24
-AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_OLD_V, AUX_OLD_W = 25, 28, 29, 30, 32, 36
+AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_STRUCK, AUX_OLD_V, AUX_OLD_W = 25, 28, 29, 30, 31, 32, 36
 AUX_FREE, AUX_GIVEN, AUX_WIDTH = 40, 43, 48
 """Columns beside it, three cache lines: velocities at the start of the step; rotation matrix (9), inverse mass, and the
 upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this step,

@@ -59,8 +59,7 @@ def keeps_state(blocks, o):
 def leave_open(blocks, o, slip, h, cold, counts):
     """Write what a pass over open manifolds would; ``slip``: without B_BELT."""
     zero = slip.x - slip.x
-    if cold:
-        store(blocks, o + s.B_MISS, zero)
+    store(blocks, o + s.B_MISS, zero)
     if counts:
         belt = belt_now(blocks, o, h)
         put3(blocks, o + s.B_BELT, belt)

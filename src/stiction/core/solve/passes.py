@@ -10,6 +10,7 @@ from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
+from stiction.core.solve.blows import MOST_BLOWS, any_struck, is_struck, note_struck
 from stiction.core.solve.depth import (
     any_buried,
     bury_faces,
@@ -104,6 +105,7 @@ def run_passes(
     if worker == 0:
         lap(profile, 4)
     first_body, last_body = share(team, worker, 0, moving)
+    turn = 1.0
     for substep in range(substeps):
         if exact is not None:
             iterate(blocks, index, count, rows, aux, h, substep * h, rolls, laws, exact)
@@ -113,7 +115,21 @@ def run_passes(
                 ask_for_bodies(index, i + 1, count, rows, s.ROW_V, count * LANES)
                 ask_for_bodies(index, i + 1, count, rows, s.ROW_TURN, count * LANES)
                 solve_any(i, blocks, index, count, rows, aux, h, substep * h, False, True, rolls, laws, exact)
+                if exact is None:
+                    note_struck(i, blocks, index, count, aux, turn)
             meet(team)
+        turn += 1.0
+        blows = 0
+        while exact is None and blows < MOST_BLOWS and any_struck(blocks, index, count):
+            meet(team)  # who is late must not see what the next pass strikes
+            for r in range(rounds):
+                first, last = blocks_of(sizes, r, count, team, worker)
+                for i in range(first, last):
+                    if is_struck(i, index, count, aux, turn):
+                        solve_any(i, blocks, index, count, rows, aux, h, substep * h, False, False, rolls, laws, exact)
+                        note_struck(i, blocks, index, count, aux, turn)
+                meet(team)
+            turn, blows = turn + 1.0, blows + 1
         if worker == 0:
             lap(profile, 5)
         move_rows(movers, first_body, last_body, glide, normals, rows, aux, h, substep == substeps - 1)
@@ -136,7 +152,7 @@ def run_passes(
 def solve_any(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, laws, exact):
     """One pass over block i: of points, or as :func:`solve_block`."""
     if laws is None and exact is None and is_point_block(index, i, count):
-        solve_points(i, blocks, index, count, rows, h, t, cold, counts)
+        solve_points(i, blocks, index, count, rows, aux, h, t, cold, counts)
     else:
         solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, laws, exact)
 

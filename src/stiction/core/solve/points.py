@@ -30,6 +30,7 @@ from stiction.core.solve.blocks import (
     twist_of,
     vectors_of,
 )
+from stiction.core.solve.blows import BLOW, note_open, passing, strike
 from stiction.core.solve.idle import belt_now, keeps_state, leave_open
 from stiction.core.solve.soft import (
     BEYOND_DOUBT,
@@ -144,7 +145,7 @@ def warm_points(i, blocks, index, count, rows):
 
 
 @jit
-def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
+def solve_points(i, blocks, index, count, rows, aux, h, t, cold, counts):
     """One pass over block i, as :func:`stiction.core.solve.soft.solve_block` does it for faces."""
     o = first_row(index, i, count)
     B = frame_of(blocks, o)
@@ -153,6 +154,12 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
     gap = gap_now(i, blocks, o, index, count, rows, C, t)
     aim = allowed(gap, load(blocks, o + s.B_BETA), h)
     near = gap < NEAR
+    closing = v.x - greatest(aim, gap - gap)
+    hits = closing > BLOW
+    again = not cold and not counts
+    if again and not any_of(hits):
+        note_open(blocks, o, gap)
+        return
     if points_stay_open(blocks, o, v, aim, near, h, cold, counts):
         return
 
@@ -167,8 +174,11 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
     gamma = select(gap > (-TOUCHES if cold else 0.0), zero, load(blocks, o + s.B_SOFT))
     sliding = load(blocks, o + s.B_STATE) > 0.5
     going = load(blocks, o + s.B_FRESH) > 0.5
-    if not cold:
+    if again:
+        going = hits
+    elif not cold:
         going = going | ~going
+    hits = hits & going
     inside, excess = sliding, zero
 
     answer = _answer(inverse, v, belt)
@@ -189,7 +199,7 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
             if not any_of(going):
                 break
         new = greatest(lam + normal * error, 0.0)
-        if cold or sweep > 0:
+        if cold or again or sweep > 0:
             new = select(going, new, lam)
         N = new - lam
         v = Vec3(v.x - K.xx * N, v.y - K.xy * N, v.z - K.xz * N)
@@ -207,7 +217,7 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
         inside = excess <= select(sliding, zero + 1.0, zero + (BEYOND_DOUBT if cold else OVERLOAD))
         if not all_of(inside):
             if not cold:
-                sliding = sliding | ~inside
+                sliding = sliding | (going & ~inside)
             limit = select(sliding, mu_d, mu_s * GRACE) * N
             slides = ~inside & (limit > 0.0)
             free = stick * select(inside, zero + 1.0, zero)
@@ -215,27 +225,38 @@ def solve_points(i, blocks, index, count, rows, h, t, cold, counts):
                 fu, fv = _limited(K, v, belt, pull, limit)
                 free = Vec3(select(slides, fu, free.x), select(slides, fv, free.y), zero)
             stick = free
-        if cold or sweep > 0:
+        if cold or again or sweep > 0:
             stick = Vec3(select(going, stick.x, pull.x), select(going, stick.y, pull.y), zero)
         du, dv = stick.x - pull.x, stick.y - pull.y
         v = Vec3(v.x - (K.xy * du + K.xz * dv), v.y - (K.yy * du + K.yz * dv), v.z - (K.yz * du + K.zz * dv))
         pull = stick
         expected = expected * zero
 
+    du, dv = pull.x - pull0.x, pull.y - pull0.y
+    force, torque = Vec3(lam - lam0, du, dv), Vec3(zero, zero, zero)
+    push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque)
+
     store(blocks, o + s.B_LOAD, lam)
     put3(blocks, o + s.B_PULL, pull)
-    du, dv = pull.x - pull0.x, pull.y - pull0.y
+    if any_of(hits):
+        once = passing(closing, hits, counts)
+        strike(blocks, o, B, aux, index, i, count, once, force, torque)
+        store(blocks, o + s.B_LOAD, lam - once * force.x)
+        put3(blocks, o + s.B_PULL, pull - Vec3(du, dv, zero) * once)
     if cold:
         change = greatest(size_of(K.yy * du + K.yz * dv), size_of(K.yz * du + K.zz * dv))
         store(blocks, o + s.B_MISS, greatest(size_of(lam - lam0) / rigid, change))
+    else:
+        store(blocks, o + s.B_MISS, select(hits, zero + 1.0, zero))
+    if again:
+        store(blocks, o + s.B_TOTAL_LOAD, load(blocks, o + s.B_TOTAL_LOAD) + force.x)
+        keep_friction(blocks, o, Vec3(du, dv, zero), Vec3(v.y + belt.x, v.z + belt.y, zero), going)
     if counts:
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
         decide_state(blocks, o, sliding, inside, excess)
         store(blocks, o + s.B_TOTAL_LOAD, load(blocks, o + s.B_TOTAL_LOAD) + lam)
         keep_friction(blocks, o, pull, Vec3(v.y + belt.x, v.z + belt.y, zero), sliding)
-    force, torque = Vec3(lam - lam0, du, dv), Vec3(zero, zero, zero)
-    push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque)
 
 
 @jit

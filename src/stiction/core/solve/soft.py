@@ -37,6 +37,7 @@ from stiction.core.solve.blocks import (
     twist_of,
     vectors_of,
 )
+from stiction.core.solve.blows import BLOW, closing_of, note_open, passing, strike
 from stiction.core.solve.idle import belt_now, stays_open
 from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
 from stiction.core.vec import Vec3, dot, transpose
@@ -205,6 +206,10 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         allowed(gap.a, beta, h), allowed(gap.b, beta, h), allowed(gap.c, beta, h), allowed(gap.d, beta, h)
     )  # fmt: skip
     near = lowest(gap) < NEAR
+    again = exact is None and not cold and not counts
+    if again and not any_of(closing_of(v, w, x, y, aim) > BLOW):
+        note_open(blocks, o, beta)
+        return
     if exact is None and laws is None and stays_open(blocks, o, v, w, x, y, aim, near, h, cold, counts, rolls):
         return
 
@@ -232,8 +237,15 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
     )  # fmt: skip
     sliding = load(blocks, o + s.B_STATE) > 0.5
     going = load(blocks, o + s.B_FRESH) > 0.5
-    if not cold:
+    hits = going
+    if exact is None:
+        closing = closing_of(v, w, x, y, aim)
+        hits = closing > BLOW
+    if again:
+        going = hits
+    elif not cold:
         going = going | ~going
+    hits = hits & going
     inside, excess = sliding, zero
 
     # Where friction can stick, the normals are told so: what they do to the slip will be answered by friction, and what
@@ -286,7 +298,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         new = Four(lam.a + wanted.a, lam.b + wanted.b, lam.c + wanted.c, lam.d + wanted.d)
         if any_of(lowest(new) < 0.0):
             new = non_negative(new, inverse)
-        if cold or sweep > 0:
+        if cold or again or sweep > 0:
             new = choose4(going, new, lam)
         da, db, dc, dd = new.a - lam.a, new.b - lam.b, new.c - lam.c, new.d - lam.d
         N = da + db + dc + dd
@@ -322,7 +334,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         if not all_of(inside):
             # in a cold pass nothing lets go; it may only not pull harder than it ever could
             if exact is None and not cold:
-                sliding = sliding | ~inside
+                sliding = sliding | (going & ~inside)
             limit = select(sliding, mu_d, mu_s * (GRACE if exact is None else 1.0)) * N
             # without a load there is no friction, and no g
             slides = ~inside & (limit > 0.0)
@@ -333,7 +345,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
                 g = slide(F, (slip + times(F, pull)) * unit, pull * unit, surface, slides)
                 free = choose3(slides, g * limit, free)
             stick = free
-        if cold or sweep > 0:
+        if cold or again or sweep > 0:
             stick = choose3(going, stick, pull)
         df = real_force(blocks, o, stick - pull, laws)
         Tn = Tm * df.z + px * df.y - py * df.x
@@ -351,7 +363,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
             rolling_limit = (lam.a + lam.b + lam.c + lam.d) * load(blocks, o + s.B_ROLLING)
             bu, bv = w.y + Kww.yy * roll_u + Kww.yz * roll_v, w.z + Kww.yz * roll_u + Kww.zz * roll_v
             mu_u, mu_v = limited_impulse(Kww.yy, Kww.yz, Kww.zz, bu, bv, rolling_limit)
-            if cold or sweep > 0:
+            if cold or again or sweep > 0:
                 mu_u, mu_v = select(going, mu_u, roll_u), select(going, mu_v, roll_v)
             du, dv = mu_u - roll_u, mu_v - roll_v
             v = Vec3(v.x - (k2.x * du + k3.x * dv), v.y - (k2.y * du + k3.y * dv), v.z - (k2.z * du + k3.z * dv))
@@ -359,6 +371,16 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
                 w.x - (Kww.xy * du + Kww.xz * dv), w.y - (Kww.yy * du + Kww.yz * dv), w.z - (Kww.yz * du + Kww.zz * dv)
             )  # fmt: skip
             roll_u, roll_v = mu_u, mu_v
+
+    da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
+    df = real_force(blocks, o, pull - pull0, laws)
+    force = Vec3(da + db + dc + dd, df.x, df.y)
+    torque = Vec3(
+        Tm * df.z + px * df.y - py * df.x,
+        y.a * da + y.b * db + y.c * dc + y.d * dd + (roll_u - roll_u0),
+        -(x.a * da + x.b * db + x.c * dc + x.d * dd) + (roll_v - roll_v0),
+    )
+    push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque)
 
     put4(blocks, o + s.B_LOAD, lam)
     put3(blocks, o + s.B_PULL, pull)
@@ -376,6 +398,19 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
             store(blocks, o + s.B_ROLLED, rolled)
     if exact is not None:
         store(blocks, o + s.B_OVER, excess)
+    elif any_of(hits):
+        once = passing(closing, hits, counts)
+        strike(blocks, o, B, aux, index, i, count, once, force, torque)
+        put4(blocks, o + s.B_LOAD, Four(lam.a - once * da, lam.b - once * db, lam.c - once * dc, lam.d - once * dd))
+        put3(blocks, o + s.B_PULL, pull - (pull - pull0) * once)
+        if rolls is not None:
+            store(blocks, o + s.B_ROLL, roll_u - once * (roll_u - roll_u0))
+            store(blocks, o + s.B_ROLL + 1, roll_v - once * (roll_v - roll_v0))
+    if exact is None and not cold:
+        store(blocks, o + s.B_MISS, select(hits, zero + 1.0, zero))
+    if again:
+        slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
+        keep_sums(blocks, o, Four(da, db, dc, dd), pull - pull0, slip, going)
     if counts:
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
@@ -388,16 +423,6 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         else:
             keep_sums(blocks, o, less4(lam, get4(blocks, o + s.B_ATTRACT)), pull, slip, slides | yields)
             follow_slip(i, blocks, index, count, rows, aux, 1.0, laws)
-
-    da, db, dc, dd = lam.a - lam0.a, lam.b - lam0.b, lam.c - lam0.c, lam.d - lam0.d
-    df = real_force(blocks, o, pull - pull0, laws)
-    force = Vec3(da + db + dc + dd, df.x, df.y)
-    torque = Vec3(
-        Tm * df.z + px * df.y - py * df.x,
-        y.a * da + y.b * db + y.c * dc + y.d * dd + (roll_u - roll_u0),
-        -(x.a * da + x.b * db + x.c * dc + x.d * dd) + (roll_v - roll_v0),
-    )
-    push_bodies(blocks, o, B, rows, index, i, count, va, wa, vb, wb, force, torque)
 
 
 @jit

@@ -1,0 +1,95 @@
+"""Blows: what closes so fast that stopping it is an impulse of this moment, and no force that goes on.
+
+The impulses of a substep act again in the next one, for most of them are loads, which change slowly. A blow does not
+act again: if it did, what falls in a row would be thrown up by what had stopped it. Two equal balls, one over the
+other, came back with a quarter of their speed, and under a heavy one with almost half of it, though nothing bounces.
+
+One pass answers a blow, and hands it on as another one: the lower ball stops, and the upper one drives it on into the
+ground. So passes follow until nothing closes fast any more, over the blocks of bodies that the last one has struck;
+each takes energy, as a train of collisions does.
+"""
+
+from __future__ import annotations
+
+from stiction.core import soft_rows as s
+from stiction.core.colouring import first_row
+from stiction.core.jit import jit
+from stiction.core.lanes import LANES, any_of, greatest, load, select, store
+from stiction.core.solve.blocks import TINY, push_bodies, vectors_of
+from stiction.core.solve.normals import Four, highest
+
+BLOW = 0.1
+"""m/s: what closes faster than that, besides what would close its gap in the substep, is a blow."""
+MOST_BLOWS = 12
+"""Passes that may follow one in which something was struck."""
+
+
+@jit
+def closing_of(v, w, x, y, aim):
+    """How fast the fastest point of a face closes beyond what closes its gap, m/s."""
+    zero = v.x - v.x
+    return highest(
+        Four(
+            v.x + y.a * w.y - x.a * w.z - greatest(aim.a, zero), v.x + y.b * w.y - x.b * w.z - greatest(aim.b, zero),
+            v.x + y.c * w.y - x.c * w.z - greatest(aim.c, zero), v.x + y.d * w.y - x.d * w.z - greatest(aim.d, zero),
+        )
+    )  # fmt: skip
+
+
+@jit
+def passing(closing, hits, first):
+    """The part of an impulse that does not act again, 0 where nothing ``hits``.
+
+    In the ``first`` pass of a substep what would stop BLOW or less may be a load that sets in; it grows together with
+    the closing speed, and becomes less from BLOW on.
+    """
+    zero = closing - closing
+    again = (BLOW * BLOW) / greatest(closing * closing, TINY) if first else zero
+    return select(hits, 1.0 - again, zero)
+
+
+@jit
+def strike(blocks, o, B, aux, index, i, count, once, force, torque):
+    """Keep the part ``once`` of an impulse from acting again: the next substep starts from v' + (v' - v)."""
+    va, wa = vectors_of(aux, index, i, s.AUX_OLD_V)
+    vb, wb = vectors_of(aux, index, i + count, s.AUX_OLD_V)
+    push_bodies(
+        blocks, o, B, aux, index, i, count, va, wa, vb, wb, force * once, torque * once, s.AUX_OLD_V
+    )  # fmt: skip
+
+
+@jit
+def note_struck(i, blocks, index, count, aux, turn):
+    """Note the bodies that block i has struck in a pass, by its number, ``turn``."""
+    o = first_row(index, i, count)
+    if not any_of(load(blocks, o + s.B_MISS) > 0.5):
+        return
+    for lane in range(LANES):
+        if blocks[o + s.B_MISS, lane] > 0.5:
+            for r in (index[i, lane], index[i + count, lane]):
+                if aux[r, s.AUX_MASS] > 0.0:
+                    aux[r, s.AUX_STRUCK] = turn
+
+
+@jit
+def is_struck(i, index, count, aux, turn):
+    """Whether a body of block i was struck in pass number ``turn`` or the one before it."""
+    for lane in range(LANES):
+        if aux[index[i, lane], s.AUX_STRUCK] > turn - 1.5 or aux[index[i + count, lane], s.AUX_STRUCK] > turn - 1.5:
+            return True
+    return False
+
+
+@jit
+def any_struck(blocks, index, count):
+    """Whether something was struck in the last pass."""
+    for i in range(count):
+        if any_of(load(blocks, first_row(index, i, count) + s.B_MISS) > 0.5):
+            return True
+    return False
+
+
+@jit
+def note_open(blocks, o, like):
+    """Nothing was struck."""
+    store(blocks, o + s.B_MISS, like - like)
