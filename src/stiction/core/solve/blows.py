@@ -49,13 +49,11 @@ def passing(closing, hits, first):
 
 
 @jit
-def strike(blocks, o, B, aux, index, i, count, once, force, torque):
-    """Keep the part ``once`` of an impulse from acting again: the next substep starts from v' + (v' - v)."""
+def strike(blocks, o, B, aux, index, i, count, force, torque):
+    """Keep an impulse that bodies were given from acting again: the next substep starts from v' + (v' - v)."""
     va, wa = vectors_of(aux, index, i, s.AUX_OLD_V)
     vb, wb = vectors_of(aux, index, i + count, s.AUX_OLD_V)
-    push_bodies(
-        blocks, o, B, aux, index, i, count, va, wa, vb, wb, force * once, torque * once, s.AUX_OLD_V
-    )  # fmt: skip
+    push_bodies(blocks, o, B, aux, index, i, count, va, wa, vb, wb, force, torque, s.AUX_OLD_V)
 
 
 @jit

@@ -239,18 +239,25 @@ def solve_points(i, blocks, index, count, rows, aux, h, t, cold, counts):
     store(blocks, o + s.B_LOAD, lam)
     put3(blocks, o + s.B_PULL, pull)
     if any_of(hits):
-        once = passing(closing, hits, counts)
-        strike(blocks, o, B, aux, index, i, count, once, force, torque)
-        store(blocks, o + s.B_LOAD, lam - once * force.x)
-        put3(blocks, o + s.B_PULL, pull - Vec3(du, dv, zero) * once)
+        N = passing(closing, hits, counts) * greatest(force.x, 0.0)
+        pulled = pull * (N / greatest(lam, TINY))
+        strike(blocks, o, B, aux, index, i, count, Vec3(N, pulled.x, pulled.y), torque)
+        store(blocks, o + s.B_LOAD, lam - N)
+        put3(blocks, o + s.B_PULL, pull - pulled)
+        if not counts:
+            slip = Vec3(v.y + belt.x, v.z + belt.y, zero)
+            total = load(blocks, o + s.B_TOTAL_LOAD)
+            if cold:
+                store(blocks, o + s.B_TOTAL_LOAD, total + N)
+                keep_friction(blocks, o, pulled, slip, sliding)
+            else:
+                store(blocks, o + s.B_TOTAL_LOAD, total + force.x)
+                keep_friction(blocks, o, Vec3(du, dv, zero), slip, sliding)
     if cold:
         change = greatest(size_of(K.yy * du + K.yz * dv), size_of(K.yz * du + K.zz * dv))
         store(blocks, o + s.B_MISS, greatest(size_of(lam - lam0) / rigid, change))
     else:
         store(blocks, o + s.B_MISS, select(hits, zero + 1.0, zero))
-    if again:
-        store(blocks, o + s.B_TOTAL_LOAD, load(blocks, o + s.B_TOTAL_LOAD) + force.x)
-        keep_friction(blocks, o, Vec3(du, dv, zero), Vec3(v.y + belt.x, v.z + belt.y, zero), going)
     if counts:
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))

@@ -25,6 +25,7 @@ from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slid
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, select, size_of, sqrt, store
 from stiction.core.solve.blocks import (
+    TINY,
     frame_of,
     get3,
     get4,
@@ -400,17 +401,32 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         store(blocks, o + s.B_OVER, excess)
     elif any_of(hits):
         once = passing(closing, hits, counts)
-        strike(blocks, o, B, aux, index, i, count, once, force, torque)
-        put4(blocks, o + s.B_LOAD, Four(lam.a - once * da, lam.b - once * db, lam.c - once * dc, lam.d - once * dd))
-        put3(blocks, o + s.B_PULL, pull - (pull - pull0) * once)
+        blow = Four(
+            once * greatest(da, 0.0), once * greatest(db, 0.0), once * greatest(dc, 0.0), once * greatest(dd, 0.0)
+        )
+        N = blow.a + blow.b + blow.c + blow.d
+        share = N / greatest(lam.a + lam.b + lam.c + lam.d, TINY)
+        pulled, du, dv = pull * share, roll_u * share, roll_v * share
+        df = real_force(blocks, o, pulled, laws)
+        torque = Vec3(
+            Tm * df.z + px * df.y - py * df.x, y.a * blow.a + y.b * blow.b + y.c * blow.c + y.d * blow.d + du,
+            -(x.a * blow.a + x.b * blow.b + x.c * blow.c + x.d * blow.d) + dv,
+        )  # fmt: skip
+        strike(blocks, o, B, aux, index, i, count, Vec3(N, df.x, df.y), torque)
+        put4(blocks, o + s.B_LOAD, less4(lam, blow))
+        put3(blocks, o + s.B_PULL, pull - pulled)
         if rolls is not None:
-            store(blocks, o + s.B_ROLL, roll_u - once * (roll_u - roll_u0))
-            store(blocks, o + s.B_ROLL + 1, roll_v - once * (roll_v - roll_v0))
+            store(blocks, o + s.B_ROLL, roll_u - du)
+            store(blocks, o + s.B_ROLL + 1, roll_v - dv)
+        if not counts:
+            # what goes on from here is in the sums of the next pass that counts
+            slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
+            if cold:
+                keep_sums(blocks, o, blow, pulled, slip, sliding)
+            else:
+                keep_sums(blocks, o, Four(da, db, dc, dd), pull - pull0, slip, sliding)
     if exact is None and not cold:
         store(blocks, o + s.B_MISS, select(hits, zero + 1.0, zero))
-    if again:
-        slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
-        keep_sums(blocks, o, Four(da, db, dc, dd), pull - pull0, slip, going)
     if counts:
         put3(blocks, o + s.B_BELT, belt)
         store(blocks, o + s.B_LEFT, select(near, left, 0.0))
