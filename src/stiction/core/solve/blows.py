@@ -13,10 +13,12 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.colouring import first_row
+from stiction.core.friction.laws import real_force
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, any_of, greatest, load, select, store
-from stiction.core.solve.blocks import TINY, push_bodies, vectors_of
-from stiction.core.solve.normals import Four, highest
+from stiction.core.solve.blocks import TINY, push_bodies, put3, put4, vectors_of
+from stiction.core.solve.normals import Four, highest, less4
+from stiction.core.vec import Vec3
 
 BLOW = 0.1
 """m/s: what closes faster than that, besides what would close its gap in the substep, is a blow."""
@@ -46,6 +48,44 @@ def passing(closing, hits, first):
     zero = closing - closing
     again = (BLOW * BLOW) / greatest(closing * closing, TINY) if first else zero
     return select(hits, 1.0 - again, zero)
+
+
+@jit
+def take_blow(blocks, o, B, aux, index, i, count, once, x, y, lam, change, pull, roll_u, roll_v, rolls, laws):
+    """Let the part ``once`` of what came to the normal impulses ``lam`` of faces at (x, y) in a pass not act again, and
+    as much of friction as of their load. What a point has let go of is gone. Returns both parts."""
+    blow = Four(
+        once * greatest(change.a, 0.0), once * greatest(change.b, 0.0), once * greatest(change.c, 0.0),
+        once * greatest(change.d, 0.0),
+    )  # fmt: skip
+    N = blow.a + blow.b + blow.c + blow.d
+    share = N / greatest(lam.a + lam.b + lam.c + lam.d, TINY)
+    pulled, du, dv = pull * share, roll_u * share, roll_v * share
+    put4(blocks, o + s.B_LOAD, less4(lam, blow))
+    put3(blocks, o + s.B_PULL, pull - pulled)
+    if rolls is not None:
+        store(blocks, o + s.B_ROLL, roll_u - du)
+        store(blocks, o + s.B_ROLL + 1, roll_v - dv)
+    px, py, Tm = load(blocks, o + s.B_CENTER), load(blocks, o + s.B_CENTER + 1), load(blocks, o + s.B_TORQUE)
+    f = real_force(blocks, o, pulled, laws)
+    torque = Vec3(
+        Tm * f.z + px * f.y - py * f.x, y.a * blow.a + y.b * blow.b + y.c * blow.c + y.d * blow.d + du,
+        -(x.a * blow.a + x.b * blow.b + x.c * blow.c + x.d * blow.d) + dv,
+    )  # fmt: skip
+    strike(blocks, o, B, aux, index, i, count, Vec3(N, f.x, f.y), torque)
+    return blow, pulled
+
+
+@jit
+def take_blow_at_points(blocks, o, B, aux, index, i, count, once, lam, change, pull):
+    """:func:`take_blow` for single points."""
+    blow = once * greatest(change, 0.0)
+    pulled = pull * (blow / greatest(lam, TINY))
+    store(blocks, o + s.B_LOAD, lam - blow)
+    put3(blocks, o + s.B_PULL, pull - pulled)
+    zero = lam - lam
+    strike(blocks, o, B, aux, index, i, count, Vec3(blow, pulled.x, pulled.y), Vec3(zero, zero, zero))
+    return blow, pulled
 
 
 @jit

@@ -109,6 +109,12 @@ def lowest(x):
 
 
 @jit
+def less4(a, b):
+    """a - b"""
+    return Four(a.a - b.a, a.b - b.b, a.c - b.c, a.d - b.d)
+
+
+@jit
 def highest(x):
     """The largest of four."""
     return greatest(greatest(x.a, x.b), greatest(x.c, x.d))

@@ -105,8 +105,8 @@ def run_passes(
     if worker == 0:
         lap(profile, 4)
     first_body, last_body = share(team, worker, 0, moving)
-    turn = 1.0
     for substep in range(substeps):
+        turn = 1.0 + substep * (MOST_BLOWS + 1)
         if exact is not None:
             iterate(blocks, index, count, rows, aux, h, substep * h, rolls, laws, exact)
         for r in range(rounds):
@@ -118,18 +118,10 @@ def run_passes(
                 if exact is None:
                     note_struck(i, blocks, index, count, aux, turn)
             meet(team)
-        turn += 1.0
-        blows = 0
-        while exact is None and blows < MOST_BLOWS and any_struck(blocks, index, count):
-            meet(team)  # who is late must not see what the next pass strikes
-            for r in range(rounds):
-                first, last = blocks_of(sizes, r, count, team, worker)
-                for i in range(first, last):
-                    if is_struck(i, index, count, aux, turn):
-                        solve_any(i, blocks, index, count, rows, aux, h, substep * h, False, False, rolls, laws, exact)
-                        note_struck(i, blocks, index, count, aux, turn)
-                meet(team)
-            turn, blows = turn + 1.0, blows + 1
+        if exact is None:
+            answer_blows(
+                blocks, index, sizes, rounds, count, rows, aux, h, substep * h, turn, rolls, laws, team, worker
+            )
         if worker == 0:
             lap(profile, 5)
         move_rows(movers, first_body, last_body, glide, normals, rows, aux, h, substep == substeps - 1)
@@ -146,6 +138,22 @@ def run_passes(
                     dig_points_out(i, blocks, index, count, rows, h, h * substeps)
                 else:
                     dig_faces_out(i, blocks, index, count, rows, h, h * substeps, exact)
+
+
+@jit
+def answer_blows(blocks, index, sizes, rounds, count, rows, aux, h, t, turn, rolls, laws, team, worker):
+    """Pass over what blows have struck until nothing closes fast any more; ``turn``: the number of the pass before."""
+    for blow in range(1, MOST_BLOWS + 1):
+        if not any_struck(blocks, index, count):
+            return
+        meet(team)  # who is late must not see what the next pass strikes
+        for r in range(rounds):
+            first, last = blocks_of(sizes, r, count, team, worker)
+            for i in range(first, last):
+                if is_struck(i, index, count, aux, turn + blow):
+                    solve_any(i, blocks, index, count, rows, aux, h, t, False, False, rolls, laws, None)
+                    note_struck(i, blocks, index, count, aux, turn + blow)
+            meet(team)
 
 
 @jit

@@ -30,7 +30,7 @@ from stiction.core.solve.blocks import (
     twist_of,
     vectors_of,
 )
-from stiction.core.solve.blows import BLOW, note_open, passing, strike
+from stiction.core.solve.blows import BLOW, note_open, passing, take_blow_at_points
 from stiction.core.solve.idle import belt_now, keeps_state, leave_open
 from stiction.core.solve.soft import (
     BEYOND_DOUBT,
@@ -239,20 +239,12 @@ def solve_points(i, blocks, index, count, rows, aux, h, t, cold, counts):
     store(blocks, o + s.B_LOAD, lam)
     put3(blocks, o + s.B_PULL, pull)
     if any_of(hits):
-        N = passing(closing, hits, counts) * greatest(force.x, 0.0)
-        pulled = pull * (N / greatest(lam, TINY))
-        strike(blocks, o, B, aux, index, i, count, Vec3(N, pulled.x, pulled.y), torque)
-        store(blocks, o + s.B_LOAD, lam - N)
-        put3(blocks, o + s.B_PULL, pull - pulled)
+        once = passing(closing, hits, counts)
+        blow, pulled = take_blow_at_points(blocks, o, B, aux, index, i, count, once, lam, force.x, pull)
         if not counts:
-            slip = Vec3(v.y + belt.x, v.z + belt.y, zero)
-            total = load(blocks, o + s.B_TOTAL_LOAD)
-            if cold:
-                store(blocks, o + s.B_TOTAL_LOAD, total + N)
-                keep_friction(blocks, o, pulled, slip, sliding)
-            else:
-                store(blocks, o + s.B_TOTAL_LOAD, total + force.x)
-                keep_friction(blocks, o, Vec3(du, dv, zero), slip, sliding)
+            net, drawn = (blow, pulled) if cold else (force.x, Vec3(du, dv, zero))
+            store(blocks, o + s.B_TOTAL_LOAD, load(blocks, o + s.B_TOTAL_LOAD) + net)
+            keep_friction(blocks, o, drawn, Vec3(v.y + belt.x, v.z + belt.y, zero), sliding)
     if cold:
         change = greatest(size_of(K.yy * du + K.yz * dv), size_of(K.yz * du + K.zz * dv))
         store(blocks, o + s.B_MISS, greatest(size_of(lam - lam0) / rigid, change))

@@ -25,7 +25,6 @@ from stiction.core.friction.patch import Sym3, choose3, inverse_sym, level, slid
 from stiction.core.jit import jit
 from stiction.core.lanes import LANES, all_of, any_of, greatest, least, load, select, size_of, sqrt, store
 from stiction.core.solve.blocks import (
-    TINY,
     frame_of,
     get3,
     get4,
@@ -38,9 +37,9 @@ from stiction.core.solve.blocks import (
     twist_of,
     vectors_of,
 )
-from stiction.core.solve.blows import BLOW, closing_of, note_open, passing, strike
+from stiction.core.solve.blows import BLOW, closing_of, note_open, passing, take_blow
 from stiction.core.solve.idle import belt_now, stays_open
-from stiction.core.solve.normals import Four, Sym4, highest, lowest, non_negative, times4
+from stiction.core.solve.normals import Four, Sym4, highest, less4, lowest, non_negative, times4
 from stiction.core.vec import Vec3, dot, transpose
 
 SWEEPS = 2
@@ -180,18 +179,13 @@ def gaps_now(i, blocks, o, index, count, rows, C, x, y, t):
 
 
 @jit
-def less4(a, b):
-    """a - b"""
-    return Four(a.a - b.a, a.b - b.b, a.c - b.c, a.d - b.d)
-
-
-@jit
 def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, laws, exact):
     """One pass over block i in the substep of length h that begins at the time t of the step: normals, then friction,
     twice over.
 
-    In a ``cold`` pass only manifolds that are new take part. One that does not count, as a cold one, changes nothing
-    but the impulses; one that ``counts`` ends a substep. ``rolls`` is None in worlds without rolling resistance;
+    In a ``cold`` pass only manifolds that are new take part, and in one that neither is cold nor ``counts`` only those
+    that blows strike (:mod:`stiction.core.solve.blows`); both change nothing but the impulses. One that counts ends a
+    substep. ``rolls`` is None in worlds without rolling resistance;
     ``laws`` as in :func:`prepare_block`; ``exact`` is None but for the rigid contacts of
     :mod:`stiction.core.solve.exact`, whose state is decided there.
     """
@@ -401,30 +395,14 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         store(blocks, o + s.B_OVER, excess)
     elif any_of(hits):
         once = passing(closing, hits, counts)
-        blow = Four(
-            once * greatest(da, 0.0), once * greatest(db, 0.0), once * greatest(dc, 0.0), once * greatest(dd, 0.0)
+        blow, pulled = take_blow(
+            blocks, o, B, aux, index, i, count, once, x, y, lam, Four(da, db, dc, dd), pull, roll_u, roll_v, rolls, laws
         )
-        N = blow.a + blow.b + blow.c + blow.d
-        share = N / greatest(lam.a + lam.b + lam.c + lam.d, TINY)
-        pulled, du, dv = pull * share, roll_u * share, roll_v * share
-        df = real_force(blocks, o, pulled, laws)
-        torque = Vec3(
-            Tm * df.z + px * df.y - py * df.x, y.a * blow.a + y.b * blow.b + y.c * blow.c + y.d * blow.d + du,
-            -(x.a * blow.a + x.b * blow.b + x.c * blow.c + x.d * blow.d) + dv,
-        )  # fmt: skip
-        strike(blocks, o, B, aux, index, i, count, Vec3(N, df.x, df.y), torque)
-        put4(blocks, o + s.B_LOAD, less4(lam, blow))
-        put3(blocks, o + s.B_PULL, pull - pulled)
-        if rolls is not None:
-            store(blocks, o + s.B_ROLL, roll_u - du)
-            store(blocks, o + s.B_ROLL + 1, roll_v - dv)
         if not counts:
-            # what goes on from here is in the sums of the next pass that counts
+            # what goes on is in the sums of the next pass that counts; after a cold pass so is what was before
+            net, drawn = (blow, pulled) if cold else (Four(da, db, dc, dd), pull - pull0)
             slip = scaled_slip(blocks, o, Vec3(v.y - w.x * py, v.z + w.x * px, w.x * Tm) + belt, laws)
-            if cold:
-                keep_sums(blocks, o, blow, pulled, slip, sliding)
-            else:
-                keep_sums(blocks, o, Four(da, db, dc, dd), pull - pull0, slip, sliding)
+            keep_sums(blocks, o, net, drawn, slip, sliding)
     if exact is None and not cold:
         store(blocks, o + s.B_MISS, select(hits, zero + 1.0, zero))
     if counts:
