@@ -11,12 +11,12 @@ from __future__ import annotations
 from stiction.core import soft_rows as s
 from stiction.core.colouring import first_row
 from stiction.core.jit import jit
-from stiction.core.lanes import any_of, greatest, least, load, select, store
-from stiction.core.solve.blocks import TINY, frame_of, get4, get6, push_bodies, put4, vectors_of
+from stiction.core.lanes import any_of, greatest, least, load, scatter, select, store
+from stiction.core.solve.blocks import TINY, frame_of, get4, put4, vectors_of
 from stiction.core.solve.normals import Four, highest, lowest
 from stiction.core.solve.points import gap_now
 from stiction.core.solve.soft import PUSH, gaps_now
-from stiction.core.vec import Vec3, transpose
+from stiction.core.vec import column, transpose
 
 GENTLE = 0.02
 """m/s: as fast as that, besides what the load presses in, contact may push; the solver is not told of more."""
@@ -75,14 +75,7 @@ def dig_faces_out(i, blocks, index, count, rows, h, t, exact):
     gap = gaps_now(i, blocks, o, index, count, rows, transpose(B), x, y, t)
     gap = Four(gap.a - buried, gap.b - buried, gap.c - buried, gap.d - buried)
     each = all_too_fast(gap, beta, borne_by_faces(blocks, o, exact))
-    # where these points are in the mean
-    share = 1.0 / greatest(each.a + each.b + each.c + each.d, TINY)
-    u = (x.a * each.a + x.b * each.b + x.c * each.c + x.d * each.d) * share
-    v = (y.a * each.a + y.b * each.b + y.c * each.c + y.d * each.d) * share
-    K, W = get6(blocks, o + s.B_KVV), get6(blocks, o + s.B_KWW)
-    k2, k3 = load(blocks, o + s.B_KWV + 3), load(blocks, o + s.B_KWV + 6)
-    k = K.xx + 2.0 * (v * k2 - u * k3) + v * v * W.yy - 2.0 * u * v * W.yz + u * u * W.zz
-    move_apart(blocks, o, B, rows, index, i, count, h, way_out(highest(each), buried, beta, h), k, u, v)
+    move_apart(blocks, o, B, rows, index, i, count, way_out(highest(each), buried, beta, h) * h)
 
 
 @jit
@@ -93,8 +86,7 @@ def dig_points_out(i, blocks, index, count, rows, h, t):
     buried, beta = load(blocks, o + s.B_BURIED), load(blocks, o + s.B_BETA)
     gap = gap_now(i, blocks, o, index, count, rows, transpose(B), t) - buried
     way = way_out(too_fast(gap, beta, borne_by_points(blocks, o)), buried, beta, h)
-    zero = beta - beta
-    move_apart(blocks, o, B, rows, index, i, count, h, way, load(blocks, o + s.B_KVV), zero, zero)
+    move_apart(blocks, o, B, rows, index, i, count, way * h)
 
 
 @jit
@@ -134,17 +126,18 @@ def borne_by_faces(blocks, o, exact):
 
 
 @jit
-def move_apart(blocks, o, B, rows, index, i, count, h, way, k, u, v):
-    """Move the bodies of eight manifolds apart for the time h with the speed ``way`` at the point u, v of their planes,
-    at which they answer an impulse along the normal by k: where they are, and not how fast."""
-    force = way * h / greatest(k, TINY)
-    zero = force - force
-    da, ta = vectors_of(rows, index, i, s.ROW_D)
-    db, tb = vectors_of(rows, index, i + count, s.ROW_D)
-    push_bodies(
-        blocks, o, B, rows, index, i, count, da, ta, db, tb, Vec3(force, zero, zero), Vec3(zero, v * force, -u * force),
-        s.ROW_D,
-    )  # fmt: skip
+def move_apart(blocks, o, B, rows, index, i, count, way):
+    """Move the bodies of eight manifolds apart by ``way`` along the normals: where they are, and not how fast.
+
+    They do not turn: a disc that lies deep in another one would be tilted by the point of its rim that is deepest, and
+    its other side driven in.
+    """
+    ma, mb = load(blocks, o + s.B_MASS_A), load(blocks, o + s.B_MASS_B)
+    d = column(B, 0) * (way / greatest(ma + mb, TINY))
+    for side, share in ((i, -ma), (i + count, mb)):
+        move, turn = vectors_of(rows, index, side, s.ROW_D)
+        move, zero = move + d * share, way - way
+        scatter(rows, index, side, s.ROW_D, (move.x, move.y, move.z, zero, turn.x, turn.y, turn.z, zero))
 
 
 @jit

@@ -106,7 +106,7 @@ def run_passes(
         lap(profile, 4)
     first_body, last_body = share(team, worker, 0, moving)
     for substep in range(substeps):
-        turn = 1.0 + substep * (MOST_BLOWS + 1)
+        turn = 1 + substep * (MOST_BLOWS + 1)
         if exact is not None:
             iterate(blocks, index, count, rows, aux, h, substep * h, rolls, laws, exact)
         for r in range(rounds):
