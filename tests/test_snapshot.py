@@ -73,7 +73,7 @@ def test_what_a_pair_left_behind_is_not_kept_and_not_missed() -> None:
         for k in range(16):
             world.add(st.Sphere(0.5), position=(1.2 * k, 0.3 * (k % 3), 0.5), velocity=(12.0 - 1.5 * k, k % 2, 0))
     world, other = worlds
-    world.step(60)
+    world.step(120)
     snapshot = take(world)
     counts = snapshot["cache.counts"]
     free = snapshot["cache.free"][: counts[pairs.FREE]] + 1

@@ -98,7 +98,7 @@ class Step:
         """The rows of bodies and the block after a step."""
         blocks, rows = np.full((s.FIELDS, LANES), np.nan), self.rows.copy()
         corners = np.zeros((LANES + 1, s.CORNERS_WIDTH))
-        compiled(kernel)(blocks, self.index, self.manifolds.copy(), corners, self.aux, rows, H, cold)
+        compiled(kernel)(blocks, self.index, self.manifolds.copy(), corners, self.aux.copy(), rows, H, cold)
         return rows, blocks
 
     def stored(self, blocks: Array, sort: int) -> tuple[Array, Array, Array]:
