@@ -7,7 +7,7 @@ import pytest
 
 from stiction.core import soft_rows as s
 from stiction.core.lanes import LANES, Lanes
-from stiction.core.solve.blows import BLOW, any_struck, closing_of, is_struck, note_struck, passing
+from stiction.core.solve.blows import BLOW, any_struck, closing_of, mark_struck, note_struck, passing
 from stiction.core.solve.normals import Four
 from stiction.core.vec import Vec3
 
@@ -16,16 +16,16 @@ def lanes(*values: float) -> Lanes:
     return Lanes(np.array(values))
 
 
-def test_nothing_passes_where_nothing_hits_and_everything_after_the_first_pass() -> None:
+def test_nothing_passes_where_nothing_hits_and_everything_that_comes_again() -> None:
     closing = lanes(0.01, BLOW, 1.0, 10.0)
     hits = closing > BLOW
-    first, later = (passing(closing, hits, first).values for first in (True, False))
+    first, later = (passing(closing, hits, again).values for again in (False, True))
     np.testing.assert_array_equal(later, [0.0, 0.0, 1.0, 1.0])
     assert (first[:2] == 0.0).all()
     # what acts again is worth no more than it was at the threshold, and less the harder the blow
     worth = (1.0 - first[2:]) * closing.values[2:]
     np.testing.assert_allclose(worth, BLOW**2 / closing.values[2:])
-    assert passing(lanes(BLOW * (1 + 1e-9)), lanes(1.0) > 0.0, True).values[0] == pytest.approx(0.0, abs=1e-8)
+    assert passing(lanes(BLOW * (1 + 1e-9)), lanes(1.0) > 0.0, False).values[0] == pytest.approx(0.0, abs=1e-8)
 
 
 def test_a_face_closes_as_its_fastest_point_does_beyond_what_closes_its_gap() -> None:
@@ -47,7 +47,8 @@ def test_blocks_of_bodies_that_the_last_pass_struck_come_once_more() -> None:
     aux[2:, s.AUX_MASS] = 1.0
 
     def struck(turn: int) -> list[bool]:
-        return [is_struck(i, index, count, aux, turn) for i in range(count)]
+        copy = blocks.copy()
+        return [mark_struck(i, copy, index, count, aux, turn) for i in range(count)]
 
     assert not any_struck(blocks, index, count)
     assert struck(2) == [False] * 3

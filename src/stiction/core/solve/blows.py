@@ -39,15 +39,15 @@ def closing_of(v, w, x, y, aim):
 
 
 @jit
-def passing(closing, hits, first):
+def passing(closing, hits, again):
     """The part of an impulse that does not act again, 0 where nothing ``hits``.
 
-    In the ``first`` pass of a substep what would stop BLOW or less may be a load that sets in; it grows together with
-    the closing speed, and becomes less from BLOW on.
+    But for passes that follow blows, which come ``again``, what would stop BLOW or less may be a load that sets in; it
+    grows together with the closing speed, and becomes less from BLOW on.
     """
     zero = closing - closing
-    again = (BLOW * BLOW) / greatest(closing * closing, TINY) if first else zero
-    return select(hits, 1.0 - again, zero)
+    load_of_it = zero if again else (BLOW * BLOW) / greatest(closing * closing, TINY)
+    return select(hits, 1.0 - load_of_it, zero)
 
 
 @jit
@@ -100,7 +100,7 @@ def strike(blocks, o, B, aux, index, i, count, force, torque):
 def note_struck(i, blocks, index, count, aux, turn):
     """Note the bodies that block i has struck in a pass, by its number, ``turn``."""
     o = first_row(index, i, count)
-    if not any_of(load(blocks, o + s.B_MISS) > 0.5):
+    if not any_of(is_marked(blocks, o)):
         return
     for lane in range(LANES):
         if blocks[o + s.B_MISS, lane] > 0.5:
@@ -110,19 +110,30 @@ def note_struck(i, blocks, index, count, aux, turn):
 
 
 @jit
-def is_struck(i, index, count, aux, turn):
-    """Whether a body of block i was struck in pass number ``turn`` or the one before it."""
+def mark_struck(i, blocks, index, count, aux, turn):
+    """Mark the manifolds of block i of whose bodies one was struck in pass number ``turn`` or the one before it;
+    returns whether there are any. What others of the block do must not depend on it."""
+    o = first_row(index, i, count)
+    found = False
     for lane in range(LANES):
-        if aux[index[i, lane], s.AUX_STRUCK] > turn - 1.5 or aux[index[i + count, lane], s.AUX_STRUCK] > turn - 1.5:
-            return True
-    return False
+        last = max(aux[index[i, lane], s.AUX_STRUCK], aux[index[i + count, lane], s.AUX_STRUCK])
+        struck = last > turn - 1.5
+        blocks[o + s.B_MISS, lane] = 1.0 if struck else 0.0
+        found |= struck
+    return found
+
+
+@jit
+def is_marked(blocks, o):
+    """Which manifolds of a block are marked."""
+    return load(blocks, o + s.B_MISS) > 0.5
 
 
 @jit
 def any_struck(blocks, index, count):
     """Whether something was struck in the last pass."""
     for i in range(count):
-        if any_of(load(blocks, first_row(index, i, count) + s.B_MISS) > 0.5):
+        if any_of(is_marked(blocks, first_row(index, i, count))):
             return True
     return False
 

@@ -10,7 +10,7 @@ from stiction.core.jit import jit
 from stiction.core.lanes import LANES
 from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
-from stiction.core.solve.blows import MOST_BLOWS, any_struck, is_struck, note_struck
+from stiction.core.solve.blows import MOST_BLOWS, any_struck, mark_struck, note_struck
 from stiction.core.solve.depth import (
     any_buried,
     bury_faces,
@@ -150,7 +150,7 @@ def answer_blows(blocks, index, sizes, rounds, count, rows, aux, h, t, turn, rol
         for r in range(rounds):
             first, last = blocks_of(sizes, r, count, team, worker)
             for i in range(first, last):
-                if is_struck(i, index, count, aux, turn + blow):
+                if mark_struck(i, blocks, index, count, aux, turn + blow):
                     solve_any(i, blocks, index, count, rows, aux, h, t, False, False, rolls, laws, None)
                     note_struck(i, blocks, index, count, aux, turn + blow)
             meet(team)

@@ -30,7 +30,7 @@ from stiction.core.solve.blocks import (
     twist_of,
     vectors_of,
 )
-from stiction.core.solve.blows import BLOW, note_open, passing, take_blow_at_points
+from stiction.core.solve.blows import BLOW, is_marked, note_open, passing, take_blow_at_points
 from stiction.core.solve.idle import belt_now, keeps_state, leave_open
 from stiction.core.solve.soft import (
     BEYOND_DOUBT,
@@ -157,6 +157,8 @@ def solve_points(i, blocks, index, count, rows, aux, h, t, cold, counts):
     closing = v.x - greatest(aim, gap - gap)
     hits = closing > BLOW
     again = not cold and not counts
+    if again:
+        hits = hits & is_marked(blocks, o)
     if again and not any_of(hits):
         note_open(blocks, o, gap)
         return
@@ -239,7 +241,7 @@ def solve_points(i, blocks, index, count, rows, aux, h, t, cold, counts):
     store(blocks, o + s.B_LOAD, lam)
     put3(blocks, o + s.B_PULL, pull)
     if any_of(hits):
-        once = passing(closing, hits, counts)
+        once = passing(closing, hits, again)
         blow, pulled = take_blow_at_points(blocks, o, B, aux, index, i, count, once, lam, force.x, pull)
         if not counts:
             net, drawn = (blow, pulled) if cold else (force.x, Vec3(du, dv, zero))

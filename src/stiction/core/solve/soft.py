@@ -37,7 +37,7 @@ from stiction.core.solve.blocks import (
     twist_of,
     vectors_of,
 )
-from stiction.core.solve.blows import BLOW, closing_of, note_open, passing, take_blow
+from stiction.core.solve.blows import BLOW, closing_of, is_marked, note_open, passing, take_blow
 from stiction.core.solve.idle import belt_now, stays_open
 from stiction.core.solve.normals import Four, Sym4, highest, less4, lowest, non_negative, times4
 from stiction.core.vec import Vec3, dot, transpose
@@ -202,7 +202,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
     )  # fmt: skip
     near = lowest(gap) < NEAR
     again = exact is None and not cold and not counts
-    if again and not any_of(closing_of(v, w, x, y, aim) > BLOW):
+    if again and not any_of((closing_of(v, w, x, y, aim) > BLOW) & is_marked(blocks, o)):
         note_open(blocks, o, beta)
         return
     if exact is None and laws is None and stays_open(blocks, o, v, w, x, y, aim, near, h, cold, counts, rolls):
@@ -237,7 +237,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
         closing = closing_of(v, w, x, y, aim)
         hits = closing > BLOW
     if again:
-        going = hits
+        going = hits & is_marked(blocks, o)
     elif not cold:
         going = going | ~going
     hits = hits & going
@@ -394,7 +394,7 @@ def solve_block(i, blocks, index, count, rows, aux, h, t, cold, counts, rolls, l
     if exact is not None:
         store(blocks, o + s.B_OVER, excess)
     elif any_of(hits):
-        once = passing(closing, hits, counts)
+        once = passing(closing, hits, again)
         blow, pulled = take_blow(
             blocks, o, B, aux, index, i, count, once, x, y, lam, Four(da, db, dc, dd), pull, roll_u, roll_v, rolls, laws
         )
