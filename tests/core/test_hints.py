@@ -160,7 +160,7 @@ def border_of(placed: Placed) -> Array:
     elif placed.shape == state.CYLINDER:
         angles = np.arange(256) * 2.0 * math.pi / 256
         rim = placed.size[0] * np.column_stack([np.cos(angles), np.sin(angles), np.zeros(256)])
-        corners = np.vstack([rim + [0, 0, z] for z in (-placed.size[2], placed.size[2])])
+        corners = np.vstack([rim + np.array([0.0, 0.0, z]) for z in (-placed.size[2], placed.size[2])])
     else:
         corners = np.array(list(itertools.product(*((-h, h) for h in placed.size[:3]))))
     return np.asarray(ConvexHull(corners @ placed.axes.T + placed.position).equations)
