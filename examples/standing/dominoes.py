@@ -20,11 +20,12 @@ plt.style.use("stiction.plot.lecture")
 G, COUNT = 9.81, 24
 
 
-def wave(height: float, spacing: float) -> tuple[float, st.World]:
+def wave(height: float, spacing: float, push: float = 0.8) -> tuple[float, st.World]:
     """Speed of the wave in sqrt(g h) over the later half of a row, and the row while it falls.
 
     Args:
         height: of a domino, m; it is h/2 wide and h/6 thick. spacing: from one to the next, in h.
+        push: spin of the first one, in sqrt(g / h).
     """
     unit = math.sqrt(height / G)
     world = st.World(dt=unit / 60)
@@ -36,8 +37,8 @@ def wave(height: float, spacing: float) -> tuple[float, st.World]:
                   position=(k * spacing * height, 0, height / 2))
         for k in range(COUNT)
     ]  # fmt: skip
-    row[0].angular_velocity = (0, 0.8 / unit, 0)
-    row[0].velocity = (0.4 * height / unit, 0, 0)
+    row[0].angular_velocity = (0, push / unit, 0)
+    row[0].velocity = (0.5 * push * height / unit, 0, 0)
     fell = [math.nan] * COUNT
     while math.isnan(fell[-1]) and world.time < 80 * unit:
         world.step()
@@ -52,8 +53,11 @@ def wave(height: float, spacing: float) -> tuple[float, st.World]:
 
 
 # %%
+# A row forgets how hard its first domino was pushed, but for a hundredth: small differences grow from one blow to the
+# next. So a speed is the mean of five rows.
 
-small, large = wave(0.05, 0.5)[0], wave(0.10, 0.5)[0]
+PUSHES = (0.7, 0.8, 0.9, 1.0, 1.1)
+small, large = (np.mean([wave(height, 0.5, push)[0] for push in PUSHES]) for height in (0.05, 0.10))
 print(f"speed in sqrt(g h): {small:.4f} at h = 5 cm, {large:.4f} at h = 10 cm")
 assert abs(small / large - 1) < 0.01
 
