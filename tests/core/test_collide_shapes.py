@@ -103,7 +103,9 @@ def best_separation(rng: np.random.Generator, a: Placed, b: Placed) -> float:
     best = -math.inf
     for start in np.argsort(-found)[:4]:
         here, value, spread = n[start], found[start], 4e-4 * np.eye(3)
-        while np.trace(spread) > 1e-16:
+        for _ in range(1000):  # balls about one centre are as good as ever everywhere
+            if np.trace(spread) <= 1e-16:
+                break
             near = here + rng.normal(size=(50, 3)) @ np.linalg.cholesky(spread).T
             near /= np.linalg.norm(near, axis=1)[:, None]
             values = along(a, b, near)
