@@ -150,18 +150,21 @@ def at_gap(rng: np.random.Generator, a: Placed, b: Placed, gap: float) -> Placed
     """b moved away from a in some direction until they are ``gap`` apart, to a thousandth of their size.
 
     Three thousand directions lie 0.05 apart, and metres of width times that are a wide miss: the search is repeated
-    among directions ever nearer to the best one.
+    among directions ever nearer to the best one, too.
     """
-    way, n = random_unit(rng), rng.normal(size=(3000, 3))
+    way, anywhere = random_unit(rng), rng.normal(size=(3000, 3))
+    anywhere /= np.linalg.norm(anywhere, axis=1)[:, None]
+    n = anywhere
     for spread in (0.1, 0.02, 0.004, 0.0):
-        n /= np.linalg.norm(n, axis=1)[:, None]
         near, far = 0.0, 8.0
         for _ in range(40):
             mid = 0.5 * (near + far)
             b = replace(b, position=np.asarray(a.position) + mid * way)
             near, far = (mid, far) if along(a, b, n).max() < gap else (near, mid)
         best = n[np.argmax(along(a, b, n))]
-        n = np.vstack([best, best + spread * rng.normal(size=(1000, 3))])
+        near_it = best + spread * rng.normal(size=(1000, 3))
+        near_it /= np.linalg.norm(near_it, axis=1)[:, None]
+        n = np.vstack([best, near_it, anywhere])  # what is best near here need not be so farther out
     return b
 
 
