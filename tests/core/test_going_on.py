@@ -18,7 +18,7 @@ from stiction.core.manifolds import clear_manifold, take_points
 from stiction.core.vec import Vec3
 
 from .support import Array, Placed, box, compiled, matrix_of, product, random_unit, rows_of
-from .test_collide_shapes import KINDS, TABLE, random_pair
+from .test_collide_shapes import KINDS, TABLE, along, least_width, random_pair
 
 FAR = 0.02
 """m, how far ahead points are looked for."""
@@ -133,11 +133,14 @@ def test_what_is_taken_along_is_what_would_be_found(rng: np.random.Generator, ki
                 n = contacts[0, state.NORMAL : state.NORMAL + 3]
                 kept = pair.soft.manifolds[1, s.GAP : s.GAP + points]
                 angles.append(float(np.linalg.norm(np.cross(n, pair.normal))))
+                if angles[-1] > 2e-4:
+                    # a search may choose a face that is as good as the edges, but for a part of its preference
+                    found, taken = along(*pair.placed, np.array([n, pair.normal]))
+                    assert abs(found - taken) < 0.012 * least_width(*pair.placed)
                 gaps.append(abs(float(contacts[:, state.SEPARATION].min() - kept.min())))
                 assert np.allclose(*pair.anchors, atol=1e-12)
     assert len(gaps) > 200
-    assert max(angles) < 2e-4
-    # a search may choose a face that is as good as the edges, but for a part of its preference
+    assert np.quantile(angles, 0.97) < 2e-4
     assert np.quantile(gaps, 0.97) < 1e-6 and max(gaps) < 1e-3
 
 
