@@ -12,7 +12,8 @@ from stiction.fit import Problem, Track, fit, parse_all
 from stiction.scene import Scene
 
 DATA = Path(__file__).parents[3] / "shared" / "data" / "cube_tosses.h5"
-EDGE, RATE, NAMES = 0.1048, 148.0, ("000", "004")
+EDGE, RATE = 0.1048, 148.0
+NAMES = ("000", "002", "004", "006", "008", "010", "012", "014")
 KEYS = "+".join(f"materials.pairs.cube-table.{name}" for name in ("static", "dynamic"))
 
 
@@ -46,11 +47,12 @@ def test_friction_of_real_tosses_comes_out_near_what_was_published() -> None:
         }
     )
     problem = Problem(scene, tracks, parse_all([f"{KEYS}=0.05:0.5"], scene.table))
-    made = fit(problem, starts=1, loss="soft_l1")
+    # a cube that lands on an edge falls to either side, so the loss has many minima, of a toss or two above all
+    made = fit(problem, starts=3, loss="soft_l1")
     (mu,) = made.estimates
-    assert mu.seen and 0.1 < mu.value < 0.26, "0.18 was published"
+    assert mu.seen and 0.12 < mu.value < 0.22, "0.18 was published"
     off = [
         np.linalg.norm(motion.positions - track.positions, axis=1).mean() / EDGE
         for motion, track in zip(problem.simulate(made.x), tracks, strict=True)
     ]
-    assert np.mean(off) < 0.3
+    assert np.mean(off) < 0.25
