@@ -76,31 +76,62 @@ def note_tumbler(bodies, i, pose, aux, w1, work, dt):
         if dot(w1, w1) * dt * dt <= FAST_TURN * FAST_TURN or (I.xx == I.yy and I.yy == I.zz):
             return False
         pose[r, s.POSE_ODD] += s.TUMBLES
-    aux[r, s.AUX_GIVEN] = work
+    aux[r, s.AUX_GIVEN], aux[r, s.AUX_OWES] = work, 0.0
     return True
 
 
 @jit
-def give_to_tumblers(active, count, soft, laws):
+def give_to_tumblers(bodies, active, count, touched, touching, soft, gravity, laws):
     """Enter what contact may have given bodies that tumble in a step: its impulse, by the mean velocity of what touches
-    them there, or of both if both tumble. Belts and attraction may give any energy."""
+    them there, or of both if both tumble. Belts and attraction may give any energy.
+
+    Of two that tumble, one gives what the other gets. If it owes more than it has, all get their share of that.
+    """
     pose, rows, aux = soft.pose, soft.rows, soft.aux
+    pairs = 0
     for k in range(count):
-        a, b, row = active[k, 0] + 1, active[k, 1] + 1, active[k, 2] + 1
+        a, b = active[k, 0] + 1, active[k, 1] + 1
         odd = pose[a, s.POSE_ODD] + pose[b, s.POSE_ODD]
         if odd < s.TUMBLES:
             continue
-        force, torque = impulse_of(soft.manifolds, soft.meta, pose, soft.reports, a - 1, row)
-        by_a = mean_power(aux, rows, a, force, torque, vec3(soft.manifolds, row, s.ARM_A))
-        by_b = mean_power(aux, rows, b, force, torque, vec3(soft.manifolds, row, s.ARM_B))
+        by_a, by_b = powers(active, k, soft)
         if laws or (odd != s.TUMBLES and odd != 2.0 * s.TUMBLES):
             by_a, by_b = math.inf, -math.inf
         elif odd == 2.0 * s.TUMBLES:
-            by_a = by_b = 0.5 * (by_a + by_b)
+            flow = 0.5 * (by_a + by_b)
+            aux[a if flow > 0.0 else b, s.AUX_OWES] += abs(flow)
+            pairs += 1
+            continue
         if pose[a, s.POSE_ODD] >= s.TUMBLES:
             aux[a, s.AUX_GIVEN] -= by_b
         if pose[b, s.POSE_ODD] >= s.TUMBLES:
             aux[b, s.AUX_GIVEN] += by_a
+    if pairs == 0:
+        return
+    for k in range(touching):
+        r = touched[k] + 1
+        if pose[r, s.POSE_ODD] >= s.TUMBLES and aux[r, s.AUX_OWES] > 0.0:
+            has, lifted = means_of(bodies, touched[k], soft, gravity)
+            aux[r, s.AUX_OWES] = min(max(has - lifted, 0.0) / aux[r, s.AUX_OWES], 1.0)
+    for k in range(count):
+        a, b = active[k, 0] + 1, active[k, 1] + 1
+        if laws or pose[a, s.POSE_ODD] + pose[b, s.POSE_ODD] != 2.0 * s.TUMBLES:
+            continue
+        by_a, by_b = powers(active, k, soft)
+        flow = 0.5 * (by_a + by_b)
+        flow *= aux[a if flow > 0.0 else b, s.AUX_OWES]
+        aux[a, s.AUX_GIVEN] -= flow
+        aux[b, s.AUX_GIVEN] += flow
+
+
+@jit
+def powers(active, k, soft):
+    """The impulse of the pair active[k] by the mean velocities of its first and of its second body, J."""
+    a, b, row = active[k, 0] + 1, active[k, 1] + 1, active[k, 2] + 1
+    force, torque = impulse_of(soft.manifolds, soft.meta, soft.pose, soft.reports, a - 1, row)
+    by_a = mean_power(soft.aux, soft.rows, a, force, torque, vec3(soft.manifolds, row, s.ARM_A))
+    by_b = mean_power(soft.aux, soft.rows, b, force, torque, vec3(soft.manifolds, row, s.ARM_B))
+    return by_a, by_b
 
 
 @jit
@@ -112,22 +143,44 @@ def mean_power(aux, rows, r, force, torque, arm):
 
 
 @jit
+def means_of(bodies, i, soft, gravity):
+    """The kinetic energy that body i had at the start of a step and what it was given in it, and how much of that went
+    into its height, J."""
+    r = i + 1
+    R = mat33(soft.pose, r, s.POSE_ROTATION)
+    v0, w0 = wide(vec3(soft.aux, r, s.AUX_START_V)), transpose(R) @ wide(vec3(soft.aux, r, s.AUX_START_W))
+    has = kinetic(bodies, i, v0, w0) + soft.aux[r, s.AUX_GIVEN]
+    return has, -bodies[i, MASS] * dot(gravity, displacement(bodies, i, soft))
+
+
+@jit
+def displacement(bodies, i, soft):
+    """How far the centre of mass of body i has come in a step that has moved it."""
+    now = rotation(quat(bodies, i, ORIENTATION))
+    return vec3(bodies, i, POSITION) + now @ vec3(bodies, i, CENTER) - vec3(soft.pose, i + 1, s.POSE_X)
+
+
+@jit
+def kinetic(bodies, i, v, w):
+    """Kinetic energy of body i with the spin w along its own axes, J."""
+    return 0.5 * (bodies[i, MASS] * dot(v, v) + dot(w, mat33(bodies, i, INERTIA) @ w))
+
+
+@jit
 def hold_tumblers(bodies, kinds, touched, touching, soft, gravity):
     """Slow bodies down that have tumbled in a step, if they have more energy after it than before it and what they were
-    given in it."""
+    given in it; those that could not even rise so far for it go back."""
     for k in range(touching):
         i = touched[k]
-        r = i + 1
-        if kinds[i, MOBILITY] != DYNAMIC or soft.pose[r, s.POSE_ODD] < s.TUMBLES:
+        if kinds[i, MOBILITY] != DYNAMIC or soft.pose[i + 1, s.POSE_ODD] < s.TUMBLES:
             continue
-        m, I = bodies[i, MASS], mat33(bodies, i, INERTIA)
-        R, now = mat33(soft.pose, r, s.POSE_ROTATION), rotation(quat(bodies, i, ORIENTATION))
-        v0, w0 = wide(vec3(soft.aux, r, s.AUX_START_V)), transpose(R) @ wide(vec3(soft.aux, r, s.AUX_START_W))
-        v1, w1 = vec3(bodies, i, V), transpose(now) @ vec3(bodies, i, W)
-        dx = vec3(bodies, i, POSITION) + now @ vec3(bodies, i, CENTER) - vec3(soft.pose, r, s.POSE_X)
-        may = 0.5 * (m * dot(v0, v0) + dot(w0, I @ w0)) + m * dot(gravity, dx) + soft.aux[r, s.AUX_GIVEN]
-        has = 0.5 * (m * dot(v1, v1) + dot(w1, I @ w1))
-        if has > may:
-            less = math.sqrt(max(may, 0.0) / has)
-            put_vec3(bodies, i, V, v1 * less)
-            put_vec3(bodies, i, W, now @ w1 * less)
+        has, lifted = means_of(bodies, i, soft, gravity)
+        v, w = vec3(bodies, i, V), vec3(bodies, i, W)
+        now = kinetic(bodies, i, v, transpose(rotation(quat(bodies, i, ORIENTATION))) @ w)
+        if now > has - lifted:
+            less = math.sqrt(max(has - lifted, 0.0) / now)
+            put_vec3(bodies, i, V, v * less)
+            put_vec3(bodies, i, W, w * less)
+        if lifted > max(has, 0.0):
+            back = 1.0 - max(has, 0.0) / lifted
+            put_vec3(bodies, i, POSITION, vec3(bodies, i, POSITION) - displacement(bodies, i, soft) * back)

@@ -445,7 +445,7 @@ def end_step(book, w, base, note, outcomes, one, bounces, laws):
         bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, soft.aux, gravity, settings.dt, ledger
     )
     if tumbling > 0:
-        give_to_tumblers(active, note[ACTIVE], soft, laws)
+        give_to_tumblers(bodies, active, note[ACTIVE], touched, note[TOUCH], soft, gravity, laws)
         hold_tumblers(bodies, kinds, touched, note[TOUCH], soft, gravity)
     unmark(mark, touched, note[TOUCH])
     outcomes[w, TAKEN] += 1
