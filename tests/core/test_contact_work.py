@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import stiction as st
+from stiction.core.solve.depth import GENTLE
 
 from .support import random_unit
 
@@ -84,3 +85,61 @@ def test_a_force_may_make_what_tumbles_faster() -> None:
         plate.apply_torque((0, 0, 20.0 * inertia))
         world.step()
     assert plate.angular_velocity[2] == pytest.approx(60.0, rel=1e-3)
+
+
+def sunk(world: st.World, speed: float) -> st.Body:
+    """A box of a kilogram that begins 5 cm deep in what lies at z = 0, and slides."""
+    return world.add(st.Box((0.4, 0.4, 0.2)), mass=1.0, position=(0, 0, 0.05), velocity=(speed, 0, 0))
+
+
+def test_what_is_moved_up_pays_with_its_motion() -> None:
+    """v^2 / 2 becomes g z: a box that slides is slower for what it rises, and the energy of the world does not."""
+    world = st.World()
+    world.materials.set_pair("default", "default", static=0.0, dynamic=0.0)
+    world.add(st.Plane(), static=True)
+    box = sunk(world, 3.0)
+    before = world.energy()
+    for _ in range(60):
+        world.step()
+        now = world.energy()
+        # the springs of its contacts may push at GENTLE
+        assert now.kinetic + now.potential <= before.kinetic + before.potential + 9.81 * GENTLE * world.dt
+        before = now
+    assert box.position[2] == pytest.approx(0.1, abs=1e-3), "it is out"
+    assert box.velocity[0] == pytest.approx(np.sqrt(3.0**2 - 2 * 9.81 * (box.position[2] - 0.05)), rel=1e-3)
+
+
+def test_what_touches_it_pays_where_it_has_no_motion_itself() -> None:
+    """A ball that flies against a box as that is moved out of the floor flies on more slowly; alone, the box gains."""
+    speeds = []
+    for deep in (0.05, 0.0):
+        world = st.World()
+        world.materials.set_pair("default", "default", static=0.0, dynamic=0.0, restitution=1.0)
+        world.add(st.Plane(), static=True)
+        world.add(st.Box((0.4, 0.4, 0.2)), mass=1000.0, position=(0, 0, 0.1 - deep))
+        ball = world.add(st.Sphere(0.05), mass=1000.0, position=(0, 0, 0.251 - deep), velocity=(4, 0, -2))
+        start = world.energy().kinetic
+        world.step(3)
+        speeds.append(ball.velocity[0])
+        assert world.energy().kinetic <= start
+    assert speeds[1] == pytest.approx(4.0, rel=1e-6)
+    assert speeds[0] < 3.95
+
+
+def test_what_rests_is_moved_out_all_the_same() -> None:
+    world = st.World()
+    world.add(st.Plane(), static=True)
+    box = sunk(world, 0.0)
+    world.step(60)
+    assert box.position[2] == pytest.approx(0.1, abs=1e-3)
+    assert np.abs(box.velocity).max() < 1e-3
+
+
+def test_a_lift_does_not_ask_what_it_carries_to_pay() -> None:
+    """A kinematic platform gives what energy it takes."""
+    world = st.World()
+    world.materials.set_pair("default", "default", static=0.0, dynamic=0.0)
+    world.add(st.Box((20, 2, 1)), kinematic=True, position=(0, 0, -0.5), velocity=(0, 0, 0.5))
+    box = sunk(world, 3.0)
+    world.step(30)
+    assert box.velocity[0] == pytest.approx(3.0, rel=1e-6)

@@ -10,9 +10,9 @@ import pytest
 from stiction.core import soft_rows as s
 from stiction.core.lanes import LANES
 from stiction.core.solve.blocks import prepare_block
-from stiction.core.solve.depth import GENTLE, RATE, bury_faces, bury_points, dig_faces_out, dig_points_out
+from stiction.core.solve.depth import FASTEST, GENTLE, RATE, bury_faces, bury_points, dig_faces_out, dig_points_out
 from stiction.core.solve.points import prepare_points
-from stiction.core.solve.soft import PUSH, softness
+from stiction.core.solve.soft import softness
 
 from .support import Array
 from .test_blocks import Pair
@@ -27,7 +27,7 @@ def dig_points(
     prepare_points(0, blocks, index, 1, manifolds, aux, h, SUBSTEPS * h, beta, soft, stiff_beta, stiff_soft)
     bury_points(0, blocks, index, 1)
     for _ in range(sweeps):
-        dig_points_out(0, blocks, index, 1, rows, h, 0.0)
+        dig_points_out(0, blocks, index, 1, rows, aux, h, 0.0)
 
 
 def dig_faces(
@@ -40,7 +40,7 @@ def dig_faces(
     )
     bury_faces(0, blocks, index, 1, None)
     for _ in range(sweeps):
-        dig_faces_out(0, blocks, index, 1, rows, h, 0.0, None)
+        dig_faces_out(0, blocks, index, 1, rows, aux, h, 0.0, None)
 
 
 def test_points_are_dug_out_as_faces_without_extent_are(rng: np.random.Generator) -> None:
@@ -89,7 +89,7 @@ def test_a_face_is_moved_out_where_it_is_deepest(rng: np.random.Generator, fixed
             moved = []
             for row, arm in ((rows[2 * k + 1], pair.ra), (rows[2 * k + 2], pair.rb)):
                 moved.append(n @ (row[s.ROW_D : s.ROW_D + 3] + np.cross(row[s.ROW_TURN : s.ROW_TURN + 3], arm + at)))
-            wanted = min(weight.max() / beta * RATE, PUSH * H)
+            wanted = min(weight.max() / beta * RATE, FASTEST * H)
             assert moved[1] - moved[0] == pytest.approx(wanted, rel=1e-3)
             # by opposite impulses: their centre of mass stays
             if not fixed:

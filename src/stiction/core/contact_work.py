@@ -87,7 +87,7 @@ def give_to_tumblers(bodies, active, count, touched, touching, soft, gravity, la
 
     Of two that tumble, one gives what the other gets. If it owes more than it has, all get their share of that.
     """
-    pose, rows, aux = soft.pose, soft.rows, soft.aux
+    pose, aux = soft.pose, soft.aux
     pairs = 0
     for k in range(count):
         a, b = active[k, 0] + 1, active[k, 1] + 1
@@ -143,6 +143,50 @@ def mean_power(aux, rows, r, force, torque, arm):
 
 
 @jit
+def pay_for_lifts(bodies, kinds, active, count, touched, touching, soft, gravity):
+    """Let bodies that were moved up out of fixed ones pay for their height with their motion, and those that touch them
+    for what is left: one of them has driven it in. What tumbles pays for all of its way (:func:`hold_tumblers`)."""
+    aux, meta, reports = soft.aux, soft.meta, soft.reports
+    owing = False
+    for k in range(touching):
+        i = touched[k]
+        r = i + 1
+        aux[r, s.AUX_OWES] = 0.0
+        if kinds[i, MOBILITY] != DYNAMIC or soft.pose[r, s.POSE_ODD] >= s.TUMBLES:
+            continue
+        due = -bodies[i, MASS] * dot(gravity, vec3(aux, r, s.AUX_LIFTED))
+        if due > 0.0:
+            aux[r, s.AUX_OWES] = pay(bodies, i, due)
+            owing = owing or aux[r, s.AUX_OWES] > 0.0
+    if not owing:
+        return
+    for k in range(count):
+        a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
+        load = 0.0
+        for j in range(int(meta[row, s.POINTS])):
+            load += reports[row, s.TOTAL_LOAD + j]
+        if load <= 0.0:
+            continue
+        if kinds[b, MOBILITY] == DYNAMIC and aux[a + 1, s.AUX_OWES] > 0.0:
+            aux[a + 1, s.AUX_OWES] = pay(bodies, b, aux[a + 1, s.AUX_OWES])
+        if kinds[a, MOBILITY] == DYNAMIC and aux[b + 1, s.AUX_OWES] > 0.0:
+            aux[b + 1, s.AUX_OWES] = pay(bodies, a, aux[b + 1, s.AUX_OWES])
+
+
+@jit
+def pay(bodies, i, due):
+    """Slow body i down by as much of the energy ``due`` as it has, J; returns what is left."""
+    v, w = vec3(bodies, i, V), vec3(bodies, i, W)
+    has = kinetic(bodies, i, v, transpose(rotation(quat(bodies, i, ORIENTATION))) @ w)
+    if has <= 0.0:
+        return due
+    less = math.sqrt(max(1.0 - due / has, 0.0))
+    put_vec3(bodies, i, V, v * less)
+    put_vec3(bodies, i, W, w * less)
+    return max(due - has, 0.0)
+
+
+@jit
 def means_of(bodies, i, soft, gravity):
     """The kinetic energy that body i had at the start of a step and what it was given in it, and how much of that went
     into its height, J."""
@@ -177,8 +221,9 @@ def hold_tumblers(bodies, kinds, touched, touching, soft, gravity):
         has, lifted = means_of(bodies, i, soft, gravity)
         v, w = vec3(bodies, i, V), vec3(bodies, i, W)
         now = kinetic(bodies, i, v, transpose(rotation(quat(bodies, i, ORIENTATION))) @ w)
-        if now > has - lifted:
-            less = math.sqrt(max(has - lifted, 0.0) / now)
+        may = max(has - lifted, 0.0)
+        if now > may:
+            less = math.sqrt(may / now)
             put_vec3(bodies, i, V, v * less)
             put_vec3(bodies, i, W, w * less)
         if lifted > max(has, 0.0):

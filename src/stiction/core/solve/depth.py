@@ -11,18 +11,21 @@ from __future__ import annotations
 from stiction.core import soft_rows as s
 from stiction.core.colouring import first_row
 from stiction.core.jit import jit
-from stiction.core.lanes import any_of, greatest, least, load, scatter, select, store
+from stiction.core.lanes import LANES, any_of, greatest, least, load, scatter, select, store
 from stiction.core.solve.blocks import TINY, frame_of, get4, put4, vectors_of
 from stiction.core.solve.normals import Four, highest, lowest
 from stiction.core.solve.points import gap_now
-from stiction.core.solve.soft import PUSH, gaps_now
-from stiction.core.vec import column, transpose
+from stiction.core.solve.soft import gaps_now
+from stiction.core.vec import Vec3, column, dot, put_vec3, transpose, vec3
 
 GENTLE = 0.02
 """m/s: as fast as that, besides what the load presses in, contact may push; the solver is not told of more."""
 
-RATE = 0.3
-"""Of what is too deep, that is dug out in each substep; no faster than PUSH."""
+ROUNDS, RATE = 12, 0.3
+"""Rounds over what is too deep, after the last substep, and of its depth, that is dug out in each. What two bodies are
+moved apart by drives the lower one into what it lies on, so it takes some."""
+FASTEST = 9.0
+"""m/s, as fast as that bodies are moved apart; none keeps it."""
 
 
 @jit
@@ -66,7 +69,7 @@ def any_buried(blocks, index, count):
 
 
 @jit
-def dig_faces_out(i, blocks, index, count, rows, h, t, exact):
+def dig_faces_out(i, blocks, index, count, rows, aux, h, t, exact):
     """Move what was too deep in block i out of it for the time h, from the time t of the step on."""
     o = first_row(index, i, count)
     B = frame_of(blocks, o)
@@ -75,24 +78,24 @@ def dig_faces_out(i, blocks, index, count, rows, h, t, exact):
     gap = gaps_now(i, blocks, o, index, count, rows, transpose(B), x, y, t)
     gap = Four(gap.a - buried, gap.b - buried, gap.c - buried, gap.d - buried)
     each = all_too_fast(gap, beta, borne_by_faces(blocks, o, exact))
-    move_apart(blocks, o, B, rows, index, i, count, way_out(highest(each), buried, beta, h) * h)
+    move_apart(blocks, o, B, rows, aux, index, i, count, way_out(highest(each), buried, beta, h) * h)
 
 
 @jit
-def dig_points_out(i, blocks, index, count, rows, h, t):
+def dig_points_out(i, blocks, index, count, rows, aux, h, t):
     """:func:`dig_faces_out` for single points."""
     o = first_row(index, i, count)
     B = frame_of(blocks, o)
     buried, beta = load(blocks, o + s.B_BURIED), load(blocks, o + s.B_BETA)
     gap = gap_now(i, blocks, o, index, count, rows, transpose(B), t) - buried
     way = way_out(too_fast(gap, beta, borne_by_points(blocks, o)), buried, beta, h)
-    move_apart(blocks, o, B, rows, index, i, count, way * h)
+    move_apart(blocks, o, B, rows, aux, index, i, count, way * h)
 
 
 @jit
 def way_out(fast, buried, beta, h):
     """The speed with which bodies are moved apart that contact would push too ``fast``, m/s, where they were buried."""
-    return select(buried > 0.0, least(fast / beta * (RATE / h), PUSH), beta - beta)
+    return select(buried > 0.0, least(fast / beta * (RATE / h), FASTEST), beta - beta)
 
 
 @jit
@@ -126,11 +129,12 @@ def borne_by_faces(blocks, o, exact):
 
 
 @jit
-def move_apart(blocks, o, B, rows, index, i, count, way):
+def move_apart(blocks, o, B, rows, aux, index, i, count, way):
     """Move the bodies of eight manifolds apart by ``way`` along the normals: where they are, and not how fast.
 
     They do not turn: a disc that lies deep in another one would be tilted by the point of its rim that is deepest, and
-    its other side driven in.
+    its other side driven in. Two bodies keep their centre of mass, and the energy of their heights. What is moved out
+    of one that stands still gains some, and AUX_LIFTED says how far it went (``contact_work.pay_for_lifts``).
     """
     ma, mb = load(blocks, o + s.B_MASS_A), load(blocks, o + s.B_MASS_B)
     d = column(B, 0) * (way / greatest(ma + mb, TINY))
@@ -138,6 +142,22 @@ def move_apart(blocks, o, B, rows, index, i, count, way):
         move, turn = vectors_of(rows, index, side, s.ROW_D)
         move, zero = move + d * share, way - way
         scatter(rows, index, side, s.ROW_D, (move.x, move.y, move.z, zero, turn.x, turn.y, turn.z, zero))
+    store(blocks, o + s.B_MISS, way)
+    for lane in range(LANES):
+        far = blocks[o + s.B_MISS, lane]
+        if far > 0.0:
+            note_lift(blocks, o, lane, aux, index[i, lane], index[i + count, lane], far)
+
+
+@jit
+def note_lift(blocks, o, lane, aux, a, b, far):
+    """Enter how ``far`` the manifold of a lane has moved the one of its bodies a and b out of the other that can."""
+    r, fixed, sign = (a, b, -far) if aux[a, s.AUX_MASS] > 0.0 else (b, a, far)
+    v, w = vec3(aux, fixed, s.AUX_START_V), vec3(aux, fixed, s.AUX_START_W)
+    if aux[fixed, s.AUX_MASS] > 0.0 or dot(v, v) + dot(w, w) > 0.0:
+        return
+    n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
+    put_vec3(aux, r, s.AUX_LIFTED, vec3(aux, r, s.AUX_LIFTED) + n * sign)
 
 
 @jit

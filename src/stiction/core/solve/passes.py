@@ -12,6 +12,7 @@ from stiction.core.soft_bodies import move_rows
 from stiction.core.solve.blocks import prepare_block
 from stiction.core.solve.blows import MOST_BLOWS, any_struck, mark_struck, note_struck
 from stiction.core.solve.depth import (
+    ROUNDS,
     any_buried,
     bury_faces,
     bury_points,
@@ -130,14 +131,15 @@ def run_passes(
             lap(profile, 6)
     if worker == 0 and any_buried(blocks, index, count):
         # by the leader alone: it is little, and seldom
-        for _ in range(substeps):
+        dt = h * substeps
+        for _ in range(ROUNDS):
             for i in range(count):
                 if not is_buried(i, blocks, index, count):
                     continue
                 if laws is None and exact is None and is_point_block(index, i, count):
-                    dig_points_out(i, blocks, index, count, rows, h, h * substeps)
+                    dig_points_out(i, blocks, index, count, rows, aux, dt / ROUNDS, dt)
                 else:
-                    dig_faces_out(i, blocks, index, count, rows, h, h * substeps, exact)
+                    dig_faces_out(i, blocks, index, count, rows, aux, dt / ROUNDS, dt, exact)
 
 
 @jit
