@@ -1,8 +1,10 @@
-"""Work of contact over a step: what drives put in, and what bodies that tumble may gain by it.
+"""Work of contact over a step: what drives put in, what bodies that tumble may gain by it, and who pays for heights.
 
 A needle that turns by a radian in a step is touched at other places all the time, while its contacts have one arm each
 in a step. What they do to it has little to do with what it is like, but one thing holds for whatever happens in
 between: contact makes no energy. So such a body gets no more of it than those that touch it have given.
+
+Nor does what is moved out of a penetration get its height for nothing, as long as there is motion to pay with.
 """
 
 from __future__ import annotations

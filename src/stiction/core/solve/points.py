@@ -159,9 +159,9 @@ def solve_points(i, blocks, index, count, rows, aux, h, t, cold, counts):
     again = not cold and not counts
     if again:
         hits = hits & is_marked(blocks, o)
-    if again and not any_of(hits):
-        note_open(blocks, o, gap)
-        return
+        if not any_of(hits):
+            note_open(blocks, o, gap)
+            return
     if points_stay_open(blocks, o, v, aim, near, h, cold, counts):
         return
 
