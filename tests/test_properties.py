@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as some
 from numpy.typing import NDArray
 
@@ -340,6 +340,7 @@ def test_all_but_one_in_a_hundred_scenes_go_as_their_image(image: Any) -> None:
 @both
 @few
 @given(seeds, some.integers(1, 3))
+@example(650, 3)  # where the order of contacts once decided which bodies move with their mean velocity
 def test_a_scene_goes_as_its_image_or_nearly(image: Any, solver: str, seed: int, n: int) -> None:
     """As far as a tie takes it from there in the worst case: 2 mm in one of two thousand scenes."""
     rng = np.random.default_rng(seed)

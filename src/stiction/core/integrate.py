@@ -72,6 +72,9 @@ have changed by in the middle of a step. That of a needle changes by the sine of
 ROOT = 1e-8
 """A step of Newton's method, of what it improves, after which the next one would change nothing: it goes with the
 square."""
+BY_END, BY_MEAN, NO_LONGER = 0, 1, 2
+"""Whether a body moves with its velocity at the end of the step or with the mean one, or with that in this round only.
+"""
 MEAN_TOLERANCE = 1e-7
 """m: a contact may be carried that far into the other body by moving with the mean velocity."""
 
@@ -197,10 +200,11 @@ def euler(inertia, w0, dt):
 def choose_mean(bodies, n, contacts, tags, m, dt):
     """Which bodies move with the mean velocity: all, but those whose contacts that would close too far.
 
-    A body that does not passes that on to those it touches, so that both sides of a contact move alike.
+    A body that does not passes that on to those it touches, so that both sides of a contact move alike. All contacts
+    are asked before any body changes, so it does not matter in which order they come.
     """
     for i in range(n):
-        bodies[i, MEAN] = 1
+        bodies[i, MEAN] = BY_MEAN
     changed = True
     while changed:
         changed = False
@@ -212,14 +216,16 @@ def choose_mean(bodies, n, contacts, tags, m, dt):
             ua = _moving_velocity(bodies, a, arm(bodies, contacts, c, a))
             ub = _moving_velocity(bodies, b, arm(bodies, contacts, c, b))
             if dot(normal, ua - ub) * dt - max(contacts[c, SEPARATION], 0.0) > MEAN_TOLERANCE:
-                bodies[a, MEAN] = 0
-                bodies[b, MEAN] = 0
+                bodies[a, MEAN] = bodies[b, MEAN] = NO_LONGER
                 changed = True
+        for i in range(n):
+            if bodies[i, MEAN] == NO_LONGER:
+                bodies[i, MEAN] = BY_END
 
 
 @jit
 def _moves_by_mean(bodies, i):
-    return is_dynamic(bodies, i) and bodies[i, MEAN] == 1
+    return is_dynamic(bodies, i) and bodies[i, MEAN] != BY_END
 
 
 @jit
@@ -239,7 +245,7 @@ def move(bodies, kinds, n, gravity, dt, ledger):
             v0, w0 = vec3(bodies, i, V_START), vec3(bodies, i, W_START)
             v1, w1 = vec3(bodies, i, V), vec3(bodies, i, W)
             dx, angle = v1 * dt, w1 * dt
-            if bodies[i, MEAN] == 1:
+            if bodies[i, MEAN] == BY_MEAN:
                 dx, angle = (v0 + v1) * (0.5 * dt), (w0 + w1) * (0.5 * dt)
             spin_before = spin_energy(bodies, i)
             place(bodies, i, dx, angle)

@@ -63,7 +63,7 @@ def _starts(*widths: int) -> list[int]:
     WORLD_INERTIA,  # 9, inverse inertia in world axes, 0 unless dynamic
     V_START,  # 3, velocities after impacts, before forces and resting contact
     W_START,  # 3
-    MEAN,  # 1 if the body moves with the mean of its old and new velocity
+    MEAN,  # whether the body moves with the mean of its old and new velocity (core.integrate)
     BODY_WIDTH,
 ) = _starts(3, 4, 3, 3, 3, 4, 3, 3, 1, 1, 6, 9, 9, 1, 3, 1, 1, 1, 3, 1, 14, 3, 9, 3, 3, 1)
 PUSH, PUSH_TURN = BOUNDS, BOUNDS + 3  # way out of penetration, m and rad
