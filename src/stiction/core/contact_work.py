@@ -13,6 +13,7 @@ import math
 
 from stiction.core import soft_rows as s
 from stiction.core.jit import jit
+from stiction.core.ledger import spin_energy
 from stiction.core.manifolds import belt_velocity
 from stiction.core.state import (
     CENTER,
@@ -66,6 +67,15 @@ def impulse_of(manifolds, meta, pose, reports, a, row):
     force = n * load + vec3(reports, row, s.TOTAL_PULL)
     torque = n * reports[row, s.TOTAL_TWIST] + u * tilt_u + cross(n, u) * tilt_v
     return force, torque
+
+
+@jit
+def load_of(meta, reports, row):
+    """The normal impulse that a manifold carried in its last step, N s."""
+    load = 0.0
+    for j in range(int(meta[row, s.POINTS])):
+        load += reports[row, s.TOTAL_LOAD + j]
+    return load
 
 
 @jit
@@ -164,10 +174,7 @@ def pay_for_lifts(bodies, kinds, active, count, touched, touching, soft, gravity
         return
     for k in range(count):
         a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
-        load = 0.0
-        for j in range(int(meta[row, s.POINTS])):
-            load += reports[row, s.TOTAL_LOAD + j]
-        if load <= 0.0:
+        if load_of(meta, reports, row) <= 0.0:
             continue
         if kinds[b, MOBILITY] == DYNAMIC and aux[a + 1, s.AUX_OWES] > 0.0:
             aux[a + 1, s.AUX_OWES] = pay(bodies, b, aux[a + 1, s.AUX_OWES])
@@ -178,14 +185,25 @@ def pay_for_lifts(bodies, kinds, active, count, touched, touching, soft, gravity
 @jit
 def pay(bodies, i, due):
     """Slow body i down by as much of the energy ``due`` as it has, J; returns what is left."""
-    v, w = vec3(bodies, i, V), vec3(bodies, i, W)
-    has = kinetic(bodies, i, v, transpose(rotation(quat(bodies, i, ORIENTATION))) @ w)
+    has = kinetic(bodies, i)
     if has <= 0.0:
         return due
-    less = math.sqrt(max(1.0 - due / has, 0.0))
-    put_vec3(bodies, i, V, v * less)
-    put_vec3(bodies, i, W, w * less)
+    slow_down(bodies, i, math.sqrt(max(1.0 - due / has, 0.0)))
     return max(due - has, 0.0)
+
+
+@jit
+def slow_down(bodies, i, part):
+    """Leave body i that part of its velocities."""
+    put_vec3(bodies, i, V, vec3(bodies, i, V) * part)
+    put_vec3(bodies, i, W, vec3(bodies, i, W) * part)
+
+
+@jit
+def kinetic(bodies, i):
+    """Kinetic energy of body i now, J."""
+    v = vec3(bodies, i, V)
+    return 0.5 * bodies[i, MASS] * dot(v, v) + spin_energy(bodies, i)
 
 
 @jit
@@ -195,8 +213,8 @@ def means_of(bodies, i, soft, gravity):
     r = i + 1
     R = mat33(soft.pose, r, s.POSE_ROTATION)
     v0, w0 = wide(vec3(soft.aux, r, s.AUX_START_V)), transpose(R) @ wide(vec3(soft.aux, r, s.AUX_START_W))
-    has = kinetic(bodies, i, v0, w0) + soft.aux[r, s.AUX_GIVEN]
-    return has, -bodies[i, MASS] * dot(gravity, displacement(bodies, i, soft))
+    had = 0.5 * (bodies[i, MASS] * dot(v0, v0) + dot(w0, mat33(bodies, i, INERTIA) @ w0))
+    return had + soft.aux[r, s.AUX_GIVEN], -bodies[i, MASS] * dot(gravity, displacement(bodies, i, soft))
 
 
 @jit
@@ -204,12 +222,6 @@ def displacement(bodies, i, soft):
     """How far the centre of mass of body i has come in a step that has moved it."""
     now = rotation(quat(bodies, i, ORIENTATION))
     return vec3(bodies, i, POSITION) + now @ vec3(bodies, i, CENTER) - vec3(soft.pose, i + 1, s.POSE_X)
-
-
-@jit
-def kinetic(bodies, i, v, w):
-    """Kinetic energy of body i with the spin w along its own axes, J."""
-    return 0.5 * (bodies[i, MASS] * dot(v, v) + dot(w, mat33(bodies, i, INERTIA) @ w))
 
 
 @jit
@@ -221,13 +233,9 @@ def hold_tumblers(bodies, kinds, touched, touching, soft, gravity):
         if kinds[i, MOBILITY] != DYNAMIC or soft.pose[i + 1, s.POSE_ODD] < s.TUMBLES:
             continue
         has, lifted = means_of(bodies, i, soft, gravity)
-        v, w = vec3(bodies, i, V), vec3(bodies, i, W)
-        now = kinetic(bodies, i, v, transpose(rotation(quat(bodies, i, ORIENTATION))) @ w)
-        may = max(has - lifted, 0.0)
+        now, may = kinetic(bodies, i), max(has - lifted, 0.0)
         if now > may:
-            less = math.sqrt(may / now)
-            put_vec3(bodies, i, V, v * less)
-            put_vec3(bodies, i, W, w * less)
+            slow_down(bodies, i, math.sqrt(may / now))
         if lifted > max(has, 0.0):
             back = 1.0 - max(has, 0.0) / lifted
             put_vec3(bodies, i, POSITION, vec3(bodies, i, POSITION) - displacement(bodies, i, soft) * back)

@@ -149,7 +149,8 @@ AUX_FREE, AUX_GIVEN, AUX_OWES, AUX_LIFTED, AUX_WIDTH = 40, 43, 44, 45, 48
 upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this step,
 J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``); what the row had as
 velocities at the start of the substep; by how much its spin would change in the step if nothing touched it; what
-those that touch it gave it in the step, if it tumbles, J."""
+those that touch it gave it in the step, if it tumbles, J; what it owes for its height or to others that tumble, J; and
+how far it was moved out of fixed bodies, m (3)."""
 
 POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_ODD, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
 """Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far

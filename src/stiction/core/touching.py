@@ -7,6 +7,7 @@ the list of pairs does.
 from __future__ import annotations
 
 from stiction.core import soft_rows as s
+from stiction.core.contact_work import load_of
 from stiction.core.jit import entry
 from stiction.core.overlaps import bodies_overlap
 from stiction.core.pairs import PAIR_A, PAIR_B, SLOT, is_sensed
@@ -26,9 +27,7 @@ def loaded_pairs(pairs, count, meta, reports, names, loads):
         row = pairs[k, SLOT] + 1
         if meta[row, s.POINTS] == 0.0:
             continue
-        load = 0.0
-        for j in range(int(meta[row, s.POINTS])):
-            load += reports[row, s.TOTAL_LOAD + j]
+        load = load_of(meta, reports, row)
         if load > 0.0:
             names[found], loads[found] = (pairs[k, PAIR_A] << SHIFT) | pairs[k, PAIR_B], load
             found += 1
