@@ -14,7 +14,7 @@ import pytest
 
 import stiction as st
 
-ONCE_BAD = (201, 455, 491, 715, 1055, 1124, 1328, 1524, 1543, 1578, 1831, 1923, 1942, 1982, 2627, 3841, 5567)
+ONCE_BAD = (201, 455, 491, 715, 1055, 1124, 1328, 1524, 1543, 1578, 1831, 1923, 1942, 1982, 2627, 3841, 5567, 21876)
 SCENES = int(os.environ.get("STICTION_FUZZ_SCENES", "200"))
 pytestmark = pytest.mark.filterwarnings("ignore::stiction.errors.IterationLimitWarning")
 

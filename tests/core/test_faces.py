@@ -10,7 +10,7 @@ import pytest
 from stiction.core import soft_rows as s
 from stiction.core.faces import measure_face, order_points, seen_from
 from stiction.core.friction.pressure import Even, pressed, spread_of
-from stiction.core.state import CONTACT_WIDTH, POINT, SCRATCH, TAGS_WIDTH
+from stiction.core.state import CONTACT_WIDTH, FACE, POINT, SCRATCH, TAGS_WIDTH
 from stiction.core.vec import Vec3
 
 from .support import Array, compiled
@@ -27,12 +27,17 @@ def face_of(contacts: Any, tags: Any, found: int, points: Any, manifolds: Any, c
     measure_face(contacts, tags, found, Vec3(x, y, 0.0), UP, points, manifolds, corners, 0)
 
 
-def measured(places: Array) -> tuple[Array, Array]:
-    """The manifold of points (n, 2) in a plane, and its own corners (8, 2), from the mean of the points."""
+def measured(places: Array, face: Array | None = None) -> tuple[Array, Array]:
+    """The manifold of points (n, 2) in a plane, and its own corners (8, 2), from the mean of the points; ``face``: what
+    the narrow phase remembers of them."""
     contacts, tags = np.zeros((4, CONTACT_WIDTH)), np.zeros((4, TAGS_WIDTH), np.int64)
     contacts[: len(places), POINT : POINT + 2] = places
     manifolds, corners = np.zeros((1, s.MANIFOLD_WIDTH)), np.zeros((1, s.CORNERS_WIDTH))
-    compiled(face_of)(contacts, tags, len(places), np.zeros((SCRATCH, 5)), manifolds, corners)
+    points = np.zeros((SCRATCH, 5))
+    if face is not None:
+        points[FACE, 0] = len(face)
+        points[FACE + 1 : FACE + 1 + len(face), :2] = face
+    compiled(face_of)(contacts, tags, len(places), points, manifolds, corners)
     return manifolds[0], corners[0].reshape(2, 8).T
 
 
@@ -66,6 +71,16 @@ def test_a_quadrilateral_is_its_own_face(rng: np.random.Generator) -> None:
         manifold, _ = measured(rng.permutation(places))
         assert manifold[s.KIND] == s.FOUR
         assert abs(manifold[s.ARM]) < 0.3
+
+
+def test_what_is_left_of_five_corners_is_the_face_though_it_is_four() -> None:
+    """Two in one place: what was known of those four was taken for that of the points, from which they may differ."""
+    points = np.array([[-4.0, -1.0], [4.0, -1.5], [5.0, 2.0], [-3.0, 2.5]])
+    four = np.array([[-1.0, -0.5], [1.0, -0.5], [1.2, 0.5], [-1.0, 0.7]])
+    manifold, corners = measured(points, np.vstack([four, four[-1] + 1e-4]))
+    assert manifold[s.KIND] == s.EIGHT
+    for corner in four - points.mean(axis=0):
+        assert np.linalg.norm(np.linalg.norm(corners, axis=1) - np.linalg.norm(corner), ord=-np.inf) < 1e-3
 
 
 def even_load(manifolds: Any, row: int) -> tuple[float, float]:

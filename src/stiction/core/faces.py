@@ -85,13 +85,14 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
     disc = (tags[0, FEATURE] & ROUND) != 0
     if not disc:
         corners = max(corners, remembered(points))
+    more = corners > found
     for k in range(corners):
-        if corners == found:
+        if not more:
             d = vec3(contacts, k, POINT) - center
         else:
             d = Vec3(points[FACE + 1 + k, 0], points[FACE + 1 + k, 1], points[FACE + 1 + k, 2]) - center
         points[FACE + 1 + k, 3], points[FACE + 1 + k, 4] = dot(d, e1), dot(d, e2)
-    if corners > found:
+    if more:
         _sort_around(points, corners)
     sxx, sxy, syy = 0.0, 0.0, 0.0
     for k in range(found):
@@ -140,7 +141,7 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
         manifolds[row, s.LOP_U], manifolds[row, s.LOP_V] = gu, gv
         _keep_even(manifolds, apart, row, Even(wuu, wuv, wvv, 0.0, gu, gv), gu, gv, arm)
     else:
-        if corners != found:
+        if more or corners != found:  # what is left of more corners need not be the points, even if it is as many
             manifolds[row, s.KIND] = s.EIGHT
             _keep_corners(points, corners, c, sn, apart, row)
         _keep_even(manifolds, apart, row, Even(wuu, wuv, wvv, 0.0, 0.0, 0.0), gu, gv, arm)
