@@ -1,10 +1,8 @@
-"""Work of contact over a step: what drives put in, what bodies that tumble may gain by it, and who pays for heights.
+"""Work of contact over a step: what drives put in, and what bodies that tumble may gain by it.
 
 A needle that turns by a radian in a step is touched at other places all the time, while its contacts have one arm each
 in a step. What they do to it has little to do with what it is like, but one thing holds for whatever happens in
 between: contact makes no energy. So such a body gets no more of it than those that touch it have given.
-
-Nor does what is moved out of a penetration get its height for nothing, as long as there is motion to pay with.
 """
 
 from __future__ import annotations
@@ -57,6 +55,14 @@ def drive_work(bodies, kinds, active, count, manifolds, meta, pose, reports):
 @jit
 def impulse_of(manifolds, meta, pose, reports, a, row):
     """Impulse and angular impulse at the anchor that a manifold gave b in a step, world, N s and N m s."""
+    force, torque = load_and_tilt(manifolds, meta, pose, reports, a, row)
+    n = mat33(pose, a + 1, s.POSE_ROTATION) @ vec3(manifolds, row, s.NORMAL_A)
+    return force + vec3(reports, row, s.TOTAL_PULL), torque + n * reports[row, s.TOTAL_TWIST]
+
+
+@jit
+def load_and_tilt(manifolds, meta, pose, reports, a, row):
+    """The part of :func:`impulse_of` along the normal, N s and N m s."""
     Ra = mat33(pose, a + 1, s.POSE_ROTATION)
     n, u = Ra @ vec3(manifolds, row, s.NORMAL_A), Ra @ vec3(manifolds, row, s.TANGENT_A)
     load, tilt_u, tilt_v = 0.0, 0.0, 0.0
@@ -64,9 +70,7 @@ def impulse_of(manifolds, meta, pose, reports, a, row):
         load += reports[row, s.TOTAL_LOAD + j]
         tilt_u += reports[row, s.TOTAL_LOAD + j] * manifolds[row, s.PLACE_V + j]
         tilt_v -= reports[row, s.TOTAL_LOAD + j] * manifolds[row, s.PLACE_U + j]
-    force = n * load + vec3(reports, row, s.TOTAL_PULL)
-    torque = n * reports[row, s.TOTAL_TWIST] + u * tilt_u + cross(n, u) * tilt_v
-    return force, torque
+    return n * load, u * tilt_u + cross(n, u) * tilt_v
 
 
 @jit
@@ -83,6 +87,7 @@ def note_tumbler(bodies, i, pose, aux, w1, work, dt):
     """Whether body i has tumbled in a step, or the step has made it so fast that it will; notes so, and the ``work`` of
     what pulls at it besides contact, J."""
     r = i + 1
+    aux[r, s.AUX_PULLED] = work
     if pose[r, s.POSE_ODD] < s.TUMBLES:
         I = mat33(bodies, i, INERTIA)
         if dot(w1, w1) * dt * dt <= FAST_TURN * FAST_TURN or (I.xx == I.yy and I.yy == I.zz):
@@ -152,44 +157,6 @@ def mean_power(aux, rows, r, force, torque, arm):
     v = wide(vec3(aux, r, s.AUX_START_V)) + wide(vec3(rows, r, s.ROW_V)) * 0.5
     w = wide(vec3(aux, r, s.AUX_START_W)) + wide(vec3(rows, r, s.ROW_W)) * 0.5
     return dot(force, v + cross(w, arm)) + dot(torque, w)
-
-
-@jit
-def pay_for_lifts(bodies, kinds, active, count, touched, touching, soft, gravity):
-    """Let bodies that were moved up out of fixed ones pay for their height with their motion, and those that touch them
-    for what is left: one of them has driven it in. What tumbles pays for all of its way (:func:`hold_tumblers`)."""
-    aux, meta, reports = soft.aux, soft.meta, soft.reports
-    owing = False
-    for k in range(touching):
-        i = touched[k]
-        r = i + 1
-        aux[r, s.AUX_OWES] = 0.0
-        if kinds[i, MOBILITY] != DYNAMIC or soft.pose[r, s.POSE_ODD] >= s.TUMBLES:
-            continue
-        due = -bodies[i, MASS] * dot(gravity, vec3(aux, r, s.AUX_LIFTED))
-        if due > 0.0:
-            aux[r, s.AUX_OWES] = pay(bodies, i, due)
-            owing = owing or aux[r, s.AUX_OWES] > 0.0
-    if not owing:
-        return
-    for k in range(count):
-        a, b, row = active[k, 0], active[k, 1], active[k, 2] + 1
-        if load_of(meta, reports, row) <= 0.0:
-            continue
-        if kinds[b, MOBILITY] == DYNAMIC and aux[a + 1, s.AUX_OWES] > 0.0:
-            aux[a + 1, s.AUX_OWES] = pay(bodies, b, aux[a + 1, s.AUX_OWES])
-        if kinds[a, MOBILITY] == DYNAMIC and aux[b + 1, s.AUX_OWES] > 0.0:
-            aux[b + 1, s.AUX_OWES] = pay(bodies, a, aux[b + 1, s.AUX_OWES])
-
-
-@jit
-def pay(bodies, i, due):
-    """Slow body i down by as much of the energy ``due`` as it has, J; returns what is left."""
-    has = kinetic(bodies, i)
-    if has <= 0.0:
-        return due
-    slow_down(bodies, i, math.sqrt(max(1.0 - due / has, 0.0)))
-    return max(due - has, 0.0)
 
 
 @jit

@@ -128,5 +128,10 @@ def total_energy(bodies, n, gravity):
 @jit
 def spin_energy(bodies, i):
     """1/2 w . I w of a body, J."""
-    w = transpose(rotation(quat(bodies, i, ORIENTATION))) @ vec3(bodies, i, W)
+    return spin_energy_with(bodies, i, transpose(rotation(quat(bodies, i, ORIENTATION))) @ vec3(bodies, i, W))
+
+
+@jit
+def spin_energy_with(bodies, i, w):
+    """The same with a spin w, in the body's axes."""
     return 0.5 * dot(w, mat33(bodies, i, INERTIA) @ w)

@@ -121,8 +121,7 @@ def begin_body(bodies, kinds, i, pose, rows, aux, gravity, g, dt, h):
     put_vec3(aux, r, s.AUX_OLD_W, Vec3(0.0, 0.0, 0.0))
     put_vec3(aux, r, s.AUX_START_V, v)
     put_vec3(aux, r, s.AUX_START_W, w)
-    aux[r, s.AUX_WORK], aux[r, s.AUX_STRUCK] = 0.0, 0.0
-    put_vec3(aux, r, s.AUX_LIFTED, Vec3(0.0, 0.0, 0.0))
+    aux[r, s.AUX_WORK], aux[r, s.AUX_STRUCK], aux[r, s.AUX_LIFTED] = 0.0, 0.0, 0.0
     begin_lean(bodies, kinds, i, aux, gravity * (-1.0 / g if g > 0.0 else 0.0), x)
 
 

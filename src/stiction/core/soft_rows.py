@@ -144,7 +144,8 @@ and rotation vector from what these would have made."""
 
 AUX_START_V, AUX_START_W, AUX_ROTATION, AUX_MASS, AUX_INERTIA, AUX_WORK = 0, 4, 8, 17, 18, 24
 AUX_LEAN, AUX_HEIGHT, AUX_STANDS, AUX_HELD, AUX_STRUCK, AUX_OLD_V, AUX_OLD_W = 25, 28, 29, 30, 31, 32, 36
-AUX_FREE, AUX_GIVEN, AUX_OWES, AUX_LIFTED, AUX_WIDTH = 40, 43, 44, 45, 48
+AUX_FREE, AUX_GIVEN, AUX_OWES, AUX_LIFTED, AUX_PULLED, AUX_GAIN, AUX_WIDTH = 40, 43, 44, 45, 46, 47, 48
+AUX_HAS = AUX_STRUCK
 """Columns beside it, three cache lines: velocities at the start of the step; rotation matrix (9), inverse mass, and the
 upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this step,
 J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``); what the row had as

@@ -20,8 +20,9 @@ from stiction.core.colouring import (
     fill_blocks,
     forget_colours,
 )
-from stiction.core.contact_work import drive_work, give_to_tumblers, hold_tumblers, pay_for_lifts
+from stiction.core.contact_work import drive_work, give_to_tumblers, hold_tumblers
 from stiction.core.find import list_manifolds
+from stiction.core.gains import take_gains_back
 from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import jit
 from stiction.core.ledger import note_edits, total_energy
@@ -444,10 +445,12 @@ def end_step(book, w, base, note, outcomes, one, bounces, laws):
     tumbling = finish_bodies(
         bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, soft.aux, gravity, settings.dt, ledger
     )
-    pay_for_lifts(bodies, kinds, active, note[ACTIVE], touched, note[TOUCH], soft, gravity)
     if tumbling > 0:
         give_to_tumblers(bodies, active, note[ACTIVE], touched, note[TOUCH], soft, gravity, laws)
         hold_tumblers(bodies, kinds, touched, note[TOUCH], soft, gravity)
+    take_gains_back(
+        bodies, kinds, active, note[ACTIVE], touched, note[TOUCH], desk.lists[GROUP], soft, gravity, settings.dt
+    )
     unmark(mark, touched, note[TOUCH])
     outcomes[w, TAKEN] += 1
     counts = scratch.counts

@@ -16,7 +16,7 @@ from stiction.core.solve.blocks import TINY, frame_of, get4, put4, vectors_of
 from stiction.core.solve.normals import Four, highest, lowest
 from stiction.core.solve.points import gap_now
 from stiction.core.solve.soft import gaps_now
-from stiction.core.vec import Vec3, column, dot, put_vec3, transpose, vec3
+from stiction.core.vec import column, transpose
 
 GENTLE = 0.02
 """m/s: as fast as that, besides what the load presses in, contact may push; the solver is not told of more."""
@@ -134,7 +134,7 @@ def move_apart(blocks, o, B, rows, aux, index, i, count, way):
 
     They do not turn: a disc that lies deep in another one would be tilted by the point of its rim that is deepest, and
     its other side driven in. Two bodies keep their centre of mass, and the energy of their heights. What is moved out
-    of one that stands still gains some, and AUX_LIFTED says how far it went (``contact_work.pay_for_lifts``).
+    of one that stands still gains some, and AUX_LIFTED says how far it went (``core/gains.py``).
     """
     ma, mb = load(blocks, o + s.B_MASS_A), load(blocks, o + s.B_MASS_B)
     d = column(B, 0) * (way / greatest(ma + mb, TINY))
@@ -146,18 +146,16 @@ def move_apart(blocks, o, B, rows, aux, index, i, count, way):
     for lane in range(LANES):
         far = blocks[o + s.B_MISS, lane]
         if far > 0.0:
-            note_lift(blocks, o, lane, aux, index[i, lane], index[i + count, lane], far)
+            note_lift(aux, index[i, lane], index[i + count, lane], far)
 
 
 @jit
-def note_lift(blocks, o, lane, aux, a, b, far):
-    """Enter how ``far`` the manifold of a lane has moved the one of its bodies a and b out of the other that can."""
-    r, fixed, sign = (a, b, -far) if aux[a, s.AUX_MASS] > 0.0 else (b, a, far)
-    v, w = vec3(aux, fixed, s.AUX_START_V), vec3(aux, fixed, s.AUX_START_W)
-    if aux[fixed, s.AUX_MASS] > 0.0 or dot(v, v) + dot(w, w) > 0.0:
-        return
-    n = Vec3(blocks[o + s.B_NORMAL, lane], blocks[o + s.B_NORMAL + 1, lane], blocks[o + s.B_NORMAL + 2, lane])
-    put_vec3(aux, r, s.AUX_LIFTED, vec3(aux, r, s.AUX_LIFTED) + n * sign)
+def note_lift(aux, a, b, far):
+    """Enter how ``far`` a manifold has moved the one of its bodies a and b out of the other that can, which is fixed."""
+    if aux[a, s.AUX_MASS] == 0.0:
+        aux[b, s.AUX_LIFTED] += far
+    elif aux[b, s.AUX_MASS] == 0.0:
+        aux[a, s.AUX_LIFTED] += far
 
 
 @jit

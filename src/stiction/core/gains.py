@@ -1,0 +1,154 @@
+"""Contact makes no energy: what it has given an island, the bodies of the island give back by moving more slowly.
+
+Ideal contact takes energy or keeps it. A real one is a spring that gives back what it holds, pushes out of what is
+deeper than it should be, and moves bodies apart that a step has driven into each other. So the energy of an island,
+bodies that touch each other, is compared with what it was before the step, and with what its contacts have done: the
+work of their loads along the normals, and what it takes to move bodies out of fixed ones. The lesser of both is what contact has made, and the island pays for it with its
+motion, as long as it has some. Neither alone would do: integrators err to and fro, and what swings without contact
+making it so is to swing on; and a load that pushes one body up as another one sinks has made nothing.
+
+Costs: one look at each body in contact; where one has gained, a union of the pairs that touch.
+"""
+
+from __future__ import annotations
+
+import math
+
+from stiction.core import soft_rows as s
+from stiction.core.contact_work import displacement, kinetic, load_and_tilt, load_of, slow_down
+from stiction.core.islands import find_group, join
+from stiction.core.jit import jit
+from stiction.core.ledger import spin_energy_with
+from stiction.core.state import DYNAMIC, KINEMATIC, MASS, MOBILITY, REACH, V, W
+from stiction.core.vec import cross, dot, length, mat33, transpose, vec3, wide
+
+ROUNDING, STILL = 1e-7, 1e-7
+"""What may be gained unnoticed: this part of a kinetic energy, and so much a mass, J/kg: that of ten nanometres."""
+
+
+@jit
+def take_gains_back(bodies, kinds, active, count, touched, touching, group, soft, gravity, dt):
+    """Slow islands down that contact has given energy in a step. ``group`` (n,) is scratch."""
+    if not any_gained(bodies, kinds, touched, touching, soft, gravity, dt):
+        return
+    find_islands(kinds, active, count, touched, touching, group)
+    if not any_island_gained(bodies, kinds, touched, touching, group, soft, gravity):
+        return
+    enter_work_of_loads(bodies, kinds, active, count, group, soft, dt)
+    for k in range(touching):
+        i = touched[k]
+        if kinds[i, MOBILITY] == DYNAMIC:
+            r = find_group(group, i) + 1
+            due, has = min(soft.aux[r, s.AUX_GAIN], soft.aux[r, s.AUX_OWES]), soft.aux[r, s.AUX_HAS]
+            if due > 0.0 and has > 0.0:
+                slow_down(bodies, i, math.sqrt(max(1.0 - due / has, 0.0)))
+
+
+@jit
+def any_gained(bodies, kinds, touched, touching, soft, gravity, dt):
+    """Whether a body has gained more than rounding: if none has, no island has."""
+    for k in range(touching):
+        i = touched[k]
+        if kinds[i, MOBILITY] == DYNAMIC and not is_still(bodies, i, soft, gravity, dt):
+            gain, has = gain_of(bodies, i, soft, gravity)
+            if gain > ROUNDING * has + STILL * bodies[i, MASS]:
+                return True
+    return False
+
+
+@jit
+def is_still(bodies, i, soft, gravity, dt):
+    """Whether body i has hardly any energy to have gained, for less than an exact answer takes."""
+    r = i + 1
+    v, w = vec3(bodies, i, V), vec3(bodies, i, W)
+    way = wide(vec3(soft.aux, r, s.AUX_START_V)) * dt + wide(vec3(soft.rows, r, s.ROW_D))
+    return dot(v, v) + bodies[i, REACH] * bodies[i, REACH] * dot(w, w) < STILL and -dot(gravity, way) < 0.5 * STILL
+
+
+@jit
+def gain_of(bodies, i, soft, gravity):
+    """What body i has gained in a step, beyond the work of what pulls at it besides contact, and its kinetic energy, J."""
+    r, mass = i + 1, bodies[i, MASS]
+    v, w = wide(vec3(soft.aux, r, s.AUX_START_V)), wide(vec3(soft.aux, r, s.AUX_START_W))
+    had = 0.5 * mass * dot(v, v) + spin_energy_with(bodies, i, transpose(mat33(soft.pose, r, s.POSE_ROTATION)) @ w)
+    has, rise = kinetic(bodies, i), -mass * dot(gravity, displacement(bodies, i, soft))
+    return has - had + rise - soft.aux[r, s.AUX_PULLED], has
+
+
+@jit
+def find_islands(kinds, active, count, touched, touching, group):
+    """Group bodies that touch each other; what cannot move is alone."""
+    for k in range(touching):
+        group[touched[k]] = touched[k]
+    for k in range(count):
+        a, b = active[k, 0], active[k, 1]
+        if kinds[a, MOBILITY] == DYNAMIC and kinds[b, MOBILITY] == DYNAMIC:
+            join(group, a, b)
+
+
+@jit
+def any_island_gained(bodies, kinds, touched, touching, group, soft, gravity):
+    """Sum gains and kinetic energies of each island, at the row of its lowest body; returns whether an island has gained
+    more than rounding."""
+    aux = soft.aux
+    for k in range(touching):
+        r = touched[k] + 1
+        aux[r, s.AUX_GAIN] = aux[r, s.AUX_HAS] = aux[r, s.AUX_OWES] = 0.0
+    for k in range(touching):
+        i = touched[k]
+        if kinds[i, MOBILITY] == DYNAMIC:
+            gain, has = gain_of(bodies, i, soft, gravity)
+            r = find_group(group, i) + 1
+            aux[r, s.AUX_GAIN] += gain - STILL * bodies[i, MASS]
+            aux[r, s.AUX_HAS] += has
+            # what it was moved up by out of fixed ones, at most
+            aux[r, s.AUX_OWES] += bodies[i, MASS] * length(gravity) * aux[i + 1, s.AUX_LIFTED]
+    gained = False
+    for k in range(touching):
+        r = touched[k] + 1
+        gained |= aux[r, s.AUX_GAIN] > ROUNDING * aux[r, s.AUX_HAS]
+    return gained
+
+
+@jit
+def enter_work_of_loads(bodies, kinds, active, count, group, soft, dt):
+    """Enter what the loads of islands that have gained have pushed apart. What something drives may gain anything."""
+    aux = soft.aux
+    for k in range(count):
+        a, b = active[k, 0], active[k, 1]
+        r = find_group(group, a if kinds[a, MOBILITY] == DYNAMIC else b) + 1
+        if aux[r, s.AUX_GAIN] <= 0.0:
+            continue
+        if is_driven(bodies, kinds, soft, a) or is_driven(bodies, kinds, soft, b):
+            aux[r, s.AUX_GAIN] = 0.0
+        else:
+            aux[r, s.AUX_OWES] += max(work_of_load(a, b, active[k, 2] + 1, soft, dt), 0.0)
+
+
+@jit
+def work_of_load(a, b, row, soft, dt):
+    """Work along the normals of what a manifold carried, by the mean force of the step and the way of both bodies, J."""
+    if load_of(soft.meta, soft.reports, row) <= 0.0:
+        return 0.0
+    force, torque = load_and_tilt(soft.manifolds, soft.meta, soft.pose, soft.reports, a, row)
+    work = 0.0
+    for i, arm, sign in ((a, s.ARM_A, -1.0), (b, s.ARM_B, 1.0)):
+        r = i + 1
+        way = wide(vec3(soft.aux, r, s.AUX_START_V)) * dt + wide(vec3(soft.rows, r, s.ROW_D))
+        turn = wide(vec3(soft.aux, r, s.AUX_START_W)) * dt + wide(vec3(soft.rows, r, s.ROW_TURN))
+        work += sign * (dot(force, way + cross(turn, wide(vec3(soft.manifolds, row, arm)))) + dot(torque, turn))
+    return work / dt
+
+
+@jit
+def is_driven(bodies, kinds, soft, i):
+    """Whether body i moves by itself, or its surface does."""
+    odd = soft.pose[i + 1, s.POSE_ODD]
+    if odd == s.HAS_BELT or odd == s.HAS_BELT + s.TUMBLES:
+        return True
+    if kinds[i, MOBILITY] != KINEMATIC:
+        return False
+    # it may have been told to stop, or to go, just now
+    v, w = vec3(bodies, i, V), vec3(bodies, i, W)
+    v0, w0 = vec3(soft.aux, i + 1, s.AUX_START_V), vec3(soft.aux, i + 1, s.AUX_START_W)
+    return dot(v, v) + dot(w, w) + dot(v0, v0) + dot(w0, w0) > 0.0
