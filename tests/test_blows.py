@@ -79,8 +79,8 @@ def test_a_blow_is_in_the_reports() -> None:
 
 
 def test_heaps_hardly_ever_gain_energy_from_one_step_to_the_next(rng: np.random.Generator) -> None:
-    """Never more than they began with; and of what they have lost they get back what lifts overlapping bodies apart: at
-    most 6e-4 of the start in a thousand heaps, 4e-5 in nine of ten."""
+    """Never more than they began with; and of what they have lost they get back what springs give that push bodies out
+    of each other that rest, or less."""
     rises = []
     for _ in range(20):
         adapter = Adapter()
@@ -95,5 +95,5 @@ def test_heaps_hardly_ever_gain_energy_from_one_step_to_the_next(rng: np.random.
             rise, low = max(rise, now - low), min(low, now)
             assert now <= start * (1.0 + 1e-9)
         rises.append(rise / start)
-    assert max(rises) < 5e-3
-    assert np.median(rises) < 5e-5
+    assert max(rises) < 5e-4
+    assert np.median(rises) < 1e-7

@@ -141,7 +141,7 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
         manifolds[row, s.LOP_U], manifolds[row, s.LOP_V] = gu, gv
         _keep_even(manifolds, apart, row, Even(wuu, wuv, wvv, 0.0, gu, gv), gu, gv, arm)
     else:
-        if more or corners != found:  # what is left of more corners need not be the points, even if it is as many
+        if corners != found or (more and not _are_the_points(contacts, found, center, e1, e2, points, size2)):
             manifolds[row, s.KIND] = s.EIGHT
             _keep_corners(points, corners, c, sn, apart, row)
         _keep_even(manifolds, apart, row, Even(wuu, wuv, wvv, 0.0, 0.0, 0.0), gu, gv, arm)
@@ -256,6 +256,20 @@ def _merge(points, corners, near2):
             kept += 1
             points[FACE + kept, 3], points[FACE + kept, 4] = points[k, 3], points[k, 4]
     return kept
+
+
+@jit
+def _are_the_points(contacts, found, center, e1, e2, points, size2):
+    """Whether as many corners as points are in their places. What is left of more corners need not be."""
+    for k in range(FACE + 1, FACE + 1 + found):
+        nearest = size2
+        for j in range(found):
+            d = vec3(contacts, j, POINT) - center
+            x, y = dot(d, e1) - points[k, 3], dot(d, e2) - points[k, 4]
+            nearest = min(nearest, x * x + y * y)
+        if nearest > SAME_PLACE2 * size2:
+            return False
+    return True
 
 
 @jit

@@ -1,11 +1,12 @@
 """Contact makes no energy: what it has given an island, the bodies of the island give back by moving more slowly.
 
-Ideal contact takes energy or keeps it. A real one is a spring that gives back what it holds, pushes out of what is
-deeper than it should be, and moves bodies apart that a step has driven into each other. So the energy of an island,
-bodies that touch each other, is compared with what it was before the step, and with what its contacts have done: the
-work of their loads along the normals, and what it takes to move bodies out of fixed ones. The lesser of both is what contact has made, and the island pays for it with its
-motion, as long as it has some. Neither alone would do: integrators err to and fro, and what swings without contact
-making it so is to swing on; and a load that pushes one body up as another one sinks has made nothing.
+Ideal contact takes energy or keeps it. A real one is a spring that pushes out of what is deeper than its load presses
+it in, and moves bodies apart that a step has driven into each other. So the energy of an island, bodies that touch each
+other, is compared with what it was before the step, and with what its contacts have done: the work of the loads of deep
+ones along their normals, and what it takes to move bodies out of fixed ones. The lesser of both is what contact has
+made, and the island pays for it with its motion, as long as it has some. Neither alone would do: a load that pushes one
+body up as another one sinks has made nothing; and integrators err to and fro, so a card that topples would be held back
+for what is taken from it only whenever it is too fast.
 
 Costs: one look at each body in contact; where one has gained, a union of the pairs that touch.
 """
@@ -19,22 +20,27 @@ from stiction.core.contact_work import displacement, kinetic, load_and_tilt, loa
 from stiction.core.islands import find_group, join
 from stiction.core.jit import jit
 from stiction.core.ledger import spin_energy_with
+from stiction.core.manifolds import gap_at, tilt_of
+from stiction.core.solve.soft import softness
 from stiction.core.state import DYNAMIC, KINEMATIC, MASS, MOBILITY, REACH, V, W
 from stiction.core.vec import cross, dot, length, mat33, transpose, vec3, wide
 
-ROUNDING, STILL = 1e-7, 1e-7
-"""What may be gained unnoticed: this part of a kinetic energy, and so much a mass, J/kg: that of ten nanometres."""
+ROUNDING, STILL = 1e-7, 1e-8
+"""What may be gained unnoticed: this part of a kinetic energy, and so much a mass, J/kg: that of a nanometre."""
+NOTABLE = 0.003
+"""m/s: a contact is deep from where its spring alone would push so fast; not as deep lies what rests."""
 
 
 @jit
-def take_gains_back(bodies, kinds, active, count, touched, touching, group, soft, gravity, dt):
-    """Slow islands down that contact has given energy in a step. ``group`` (n,) is scratch."""
+def take_gains_back(bodies, kinds, active, count, touched, touching, group, soft, gravity, dt, h):
+    """Slow islands down that contact has given energy in a step of substeps h. ``group`` (n,) is scratch."""
     if not any_gained(bodies, kinds, touched, touching, soft, gravity, dt):
         return
     find_islands(kinds, active, count, touched, touching, group)
     if not any_island_gained(bodies, kinds, touched, touching, group, soft, gravity):
         return
-    enter_work_of_loads(bodies, kinds, active, count, group, soft, dt)
+    push_out_rate, _, _, _ = softness(h)
+    enter_work_of_loads(bodies, kinds, active, count, group, soft, NOTABLE / push_out_rate, dt)
     for k in range(touching):
         i = touched[k]
         if kinds[i, MOBILITY] == DYNAMIC:
@@ -67,7 +73,7 @@ def is_still(bodies, i, soft, gravity, dt):
 
 @jit
 def gain_of(bodies, i, soft, gravity):
-    """What body i has gained in a step, beyond the work of what pulls at it besides contact, and its kinetic energy, J."""
+    """What body i has gained in a step beyond the work of what pulls at it besides contact, and its kinetic energy."""
     r, mass = i + 1, bodies[i, MASS]
     v, w = wide(vec3(soft.aux, r, s.AUX_START_V)), wide(vec3(soft.aux, r, s.AUX_START_W))
     had = 0.5 * mass * dot(v, v) + spin_energy_with(bodies, i, transpose(mat33(soft.pose, r, s.POSE_ROTATION)) @ w)
@@ -88,8 +94,8 @@ def find_islands(kinds, active, count, touched, touching, group):
 
 @jit
 def any_island_gained(bodies, kinds, touched, touching, group, soft, gravity):
-    """Sum gains and kinetic energies of each island, at the row of its lowest body; returns whether an island has gained
-    more than rounding."""
+    """Sum gains and kinetic energies of each island, at the row of its lowest body; returns whether an island has
+    gained more than rounding."""
     aux = soft.aux
     for k in range(touching):
         r = touched[k] + 1
@@ -111,8 +117,9 @@ def any_island_gained(bodies, kinds, touched, touching, group, soft, gravity):
 
 
 @jit
-def enter_work_of_loads(bodies, kinds, active, count, group, soft, dt):
-    """Enter what the loads of islands that have gained have pushed apart. What something drives may gain anything."""
+def enter_work_of_loads(bodies, kinds, active, count, group, soft, deep, dt):
+    """Enter what the loads of islands that have gained have pushed apart, where they were ``deep``, m. What something
+    drives may gain anything."""
     aux = soft.aux
     for k in range(count):
         a, b = active[k, 0], active[k, 1]
@@ -121,13 +128,25 @@ def enter_work_of_loads(bodies, kinds, active, count, group, soft, dt):
             continue
         if is_driven(bodies, kinds, soft, a) or is_driven(bodies, kinds, soft, b):
             aux[r, s.AUX_GAIN] = 0.0
-        else:
+        elif depth_of(a, b, active[k, 2] + 1, soft) > deep:
             aux[r, s.AUX_OWES] += max(work_of_load(a, b, active[k, 2] + 1, soft, dt), 0.0)
 
 
 @jit
+def depth_of(a, b, row, soft):
+    """How deep the deepest point of a manifold was when the step began, m."""
+    manifolds, pose = soft.manifolds, soft.pose
+    n, u, v, tilt = tilt_of(manifolds, row, mat33(pose, a + 1, s.POSE_ROTATION), mat33(pose, b + 1, s.POSE_ROTATION))
+    shift = dot(n, wide(vec3(manifolds, row, s.SHIFT)))
+    depth = 0.0
+    for j in range(int(soft.meta[row, s.POINTS])):
+        depth = max(depth, -gap_at(manifolds, row, j, shift, dot(tilt, u), dot(tilt, v)))
+    return depth
+
+
+@jit
 def work_of_load(a, b, row, soft, dt):
-    """Work along the normals of what a manifold carried, by the mean force of the step and the way of both bodies, J."""
+    """Work along the normals of what a manifold carried, by the mean force of the step and how its bodies went, J."""
     if load_of(soft.meta, soft.reports, row) <= 0.0:
         return 0.0
     force, torque = load_and_tilt(soft.manifolds, soft.meta, soft.pose, soft.reports, a, row)

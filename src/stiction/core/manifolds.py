@@ -43,7 +43,7 @@ from stiction.core.state import (
     V,
     W,
 )
-from stiction.core.vec import Vec3, column, cross, dot, length, mat33, put_vec3, transpose, vec3
+from stiction.core.vec import Vec3, column, cross, dot, length, mat33, put_vec3, transpose, vec3, wide
 
 SAME_PLACE = 0.1
 """Of the patch's size: a point without a partner of the same feature inherits from the nearest old one this close."""
@@ -442,3 +442,23 @@ def carried_round(bodies, kinds, i, other):
         return Vec3(0.0, 0.0, 0.0)
     w = vec3(bodies, i, W)
     return cross(w, vec3(bodies, other, V))
+
+
+@jit
+def tilt_of(manifolds, row, Ra, Rb):
+    """Normal and tangents of a manifold, and by how much b has turned against a since it was made, world, rad."""
+    n, u = Ra @ wide(vec3(manifolds, row, s.NORMAL_A)), Ra @ wide(vec3(manifolds, row, s.TANGENT_A))
+    nb, ub = Rb @ wide(vec3(manifolds, row, s.NORMAL_B)), Rb @ wide(vec3(manifolds, row, s.TANGENT_B))
+    v = cross(n, u)
+    return n, u, v, (cross(n, nb) + cross(u, ub) + cross(v, cross(nb, ub))) * 0.5
+
+
+@jit
+def gap_at(manifolds, row, j, shift, tilt_u, tilt_v):
+    """Separation of point j, m, where b has moved by ``shift`` along the normal and turned by these angles."""
+    return (
+        manifolds[row, s.GAP + j]
+        + shift
+        + tilt_u * manifolds[row, s.PLACE_V + j]
+        - tilt_v * manifolds[row, s.PLACE_U + j]
+    )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.jit import entry
+from stiction.core.manifolds import gap_at, tilt_of
 from stiction.core.pairs import PAIR_A, PAIR_B, SLOT
 from stiction.core.state import (
     BODY_A,
@@ -21,7 +22,7 @@ from stiction.core.state import (
     TOTAL,
     TOTAL_FRICTION,
 )
-from stiction.core.vec import cross, dot, put_vec3, quat, rotation, vec3, wide
+from stiction.core.vec import dot, put_vec3, quat, rotation, vec3, wide
 
 
 @entry
@@ -40,10 +41,7 @@ def report_contacts(bodies, pairs, count, manifolds, meta, reports, contacts, ta
         Ra, Rb = rotation(quat(bodies, a, ORIENTATION)), rotation(quat(bodies, b, ORIENTATION))
         xa = vec3(bodies, a, POSITION) + Ra @ vec3(bodies, a, CENTER)
         xb = vec3(bodies, b, POSITION) + Rb @ vec3(bodies, b, CENTER)
-        n, u = Ra @ wide(vec3(manifolds, row, s.NORMAL_A)), Ra @ wide(vec3(manifolds, row, s.TANGENT_A))
-        v = cross(n, u)
-        nb, ub = Rb @ wide(vec3(manifolds, row, s.NORMAL_B)), Rb @ wide(vec3(manifolds, row, s.TANGENT_B))
-        tilt = (cross(n, nb) + cross(u, ub) + cross(v, cross(nb, ub))) * 0.5
+        n, u, v, tilt = tilt_of(manifolds, row, Ra, Rb)
         on_a, on_b = xa + Ra @ vec3(meta, row, s.ANCHOR_A), xb + Rb @ vec3(meta, row, s.ANCHOR_B)
         shift = dot(n, on_b - on_a)
 
@@ -66,7 +64,7 @@ def report_contacts(bodies, pairs, count, manifolds, meta, reports, contacts, ta
         for j in range(points):
             x, y = manifolds[row, s.PLACE_U + j], manifolds[row, s.PLACE_V + j]
             load = reports[row, s.TOTAL_LOAD + j]
-            separation = manifolds[row, s.GAP + j] + shift + dot(tilt, u) * y - dot(tilt, v) * x
+            separation = gap_at(manifolds, row, j, shift, dot(tilt, u), dot(tilt, v))
             tags[found, BODY_A], tags[found, BODY_B] = a, b
             tags[found, FEATURE] = int(meta[row, s.FEATURES + j])
             tags[found, STATUS] = KINETIC | SATURATED if manifolds[row, s.STATE] == s.SLIDING else 0

@@ -150,8 +150,9 @@ AUX_HAS = AUX_STRUCK
 upper triangle of the inverse inertia in world axes; what friction and rolling have taken at its contacts in this step,
 J; its lean, its height against gravity, m, whether it stands, and whether it will (``leaning``); what the row had as
 velocities at the start of the substep; by how much its spin would change in the step if nothing touched it; what
-those that touch it gave it in the step, if it tumbles, J; what it owes for its height or to others that tumble, J; and
-how far it was moved out of fixed bodies, m (3)."""
+those that touch it gave it in the step, if it tumbles, J; what it owes others that tumble, or its island, for what
+contact has pushed, J; how far it was moved out of fixed bodies, m; work of what pulls at it besides contact, J; what
+its island has gained, J, and has as kinetic energy (``gains``), once nobody asks any more who was struck."""
 
 POSE_X, POSE_ROTATION, POSE_MOTION, POSE_REACH, POSE_MARGIN, POSE_ODD, POSE_WIDTH = 0, 3, 12, 13, 14, 15, 16
 """Columns of a body's pose, (n + 1, POSE_WIDTH) float64, two cache lines: centre of mass, m; rotation matrix; how far

@@ -449,8 +449,9 @@ def end_step(book, w, base, note, outcomes, one, bounces, laws):
         give_to_tumblers(bodies, active, note[ACTIVE], touched, note[TOUCH], soft, gravity, laws)
         hold_tumblers(bodies, kinds, touched, note[TOUCH], soft, gravity)
     take_gains_back(
-        bodies, kinds, active, note[ACTIVE], touched, note[TOUCH], desk.lists[GROUP], soft, gravity, settings.dt
-    )
+        bodies, kinds, active, note[ACTIVE], touched, note[TOUCH], desk.lists[GROUP], soft, gravity, settings.dt,
+        settings.dt / note[SUBSTEPS],
+    )  # fmt: skip
     unmark(mark, touched, note[TOUCH])
     outcomes[w, TAKEN] += 1
     counts = scratch.counts

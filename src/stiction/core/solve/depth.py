@@ -151,7 +151,7 @@ def move_apart(blocks, o, B, rows, aux, index, i, count, way):
 
 @jit
 def note_lift(aux, a, b, far):
-    """Enter how ``far`` a manifold has moved the one of its bodies a and b out of the other that can, which is fixed."""
+    """Enter how ``far`` a manifold has moved one of its bodies a and b out of the other one, if that is fixed."""
     if aux[a, s.AUX_MASS] == 0.0:
         aux[b, s.AUX_LIFTED] += far
     elif aux[b, s.AUX_MASS] == 0.0:
