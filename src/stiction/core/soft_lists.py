@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.ahead import MANY, SINGLE, SOON, ask_for, ask_for_row
+from stiction.core.gains import is_still
 from stiction.core.integrate import keep_body
 from stiction.core.jit import jit
 from stiction.core.soft_bodies import (
@@ -170,15 +171,17 @@ def keep_states(bodies, awake, count):
 
 @jit
 def finish_bodies(bodies, kinds, awake, count, mark, pose, rows, aux, gravity, dt, ledger):
-    """Move all bodies, those in contact as the solver says; returns how many of these tumble."""
-    tumbling = 0
+    """Move all bodies, those in contact as the solver says; returns how many of these tumble, and whether one has not
+    been still."""
+    tumbling, lively = 0, False
     for k in range(count):
         i = awake[k]
         if mark[i] and kinds[i, MOBILITY] == DYNAMIC:
             tumbling += finish_contact(bodies, i, pose, rows, aux, dt, ledger)
+            lively = lively or not is_still(bodies, i, rows, aux, gravity, dt)
         else:
             finish_free(bodies, kinds, i, pose, gravity, dt, ledger)
-    return tumbling
+    return tumbling, lively
 
 
 @jit

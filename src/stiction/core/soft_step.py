@@ -442,16 +442,17 @@ def end_step(book, w, base, note, outcomes, one, bounces, laws):
         call_impacts(part_at(book, IMPACTS_PART), (book, REPORT, w, 0, note[PLACE], 0, note[BOUNCING], one))
     lap(profile, 7)
     mark, touched, gravity = desk.lists[MARK, base:], desk.lists[TOUCHING, base:], gravity_of(settings)
-    tumbling = finish_bodies(
+    tumbling, lively = finish_bodies(
         bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, soft.aux, gravity, settings.dt, ledger
     )
     if tumbling > 0:
         give_to_tumblers(bodies, active, note[ACTIVE], touched, note[TOUCH], soft, gravity, laws)
         hold_tumblers(bodies, kinds, touched, note[TOUCH], soft, gravity)
-    take_gains_back(
-        bodies, kinds, active, note[ACTIVE], touched, note[TOUCH], desk.lists[GROUP], soft, gravity, settings.dt,
-        settings.dt / note[SUBSTEPS],
-    )  # fmt: skip
+    if lively:
+        take_gains_back(
+            bodies, kinds, active, note[ACTIVE], touched, note[TOUCH], desk.lists[GROUP], soft, gravity, settings.dt,
+            settings.dt / note[SUBSTEPS],
+        )  # fmt: skip
     unmark(mark, touched, note[TOUCH])
     outcomes[w, TAKEN] += 1
     counts = scratch.counts
