@@ -84,7 +84,7 @@ def gain_of(bodies, i, soft, gravity):
 
 @jit
 def find_islands(kinds, active, count, touched, touching, group):
-    """Group bodies that touch each other; what cannot move is alone."""
+    """Group bodies that touch each other, or are about to; what cannot move is alone."""
     for k in range(touching):
         group[touched[k]] = touched[k]
     for k in range(count):
