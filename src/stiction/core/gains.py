@@ -35,10 +35,10 @@ NOTABLE = 0.003
 @jit
 def take_gains_back(bodies, kinds, active, count, touched, touching, group, soft, gravity, dt, h):
     """Slow islands down that contact has given energy in a step of substeps h. ``group`` (n,) is scratch."""
-    if not any_gained(bodies, kinds, touched, touching, soft, gravity):
+    if not any_gained(bodies, kinds, touched, touching, soft, gravity, dt):
         return
     find_islands(kinds, active, count, touched, touching, group)
-    if not any_island_gained(bodies, kinds, touched, touching, group, soft, gravity):
+    if not any_island_gained(bodies, kinds, touched, touching, group, soft, gravity, dt):
         return
     push_out_rate, _, _, _ = softness(h)
     enter_work_of_loads(bodies, kinds, active, count, group, soft, NOTABLE / push_out_rate, dt)
@@ -52,11 +52,11 @@ def take_gains_back(bodies, kinds, active, count, touched, touching, group, soft
 
 
 @jit
-def any_gained(bodies, kinds, touched, touching, soft, gravity):
+def any_gained(bodies, kinds, touched, touching, soft, gravity, dt):
     """Whether a body has gained more than rounding: if none has, no island has."""
     for k in range(touching):
         i = touched[k]
-        if kinds[i, MOBILITY] == DYNAMIC:
+        if kinds[i, MOBILITY] == DYNAMIC and not is_still(bodies, i, soft.rows, soft.aux, gravity, dt):
             gain, has = gain_of(bodies, i, soft, gravity)
             if gain > ROUNDING * has + STILL * bodies[i, MASS]:
                 return True
@@ -94,7 +94,7 @@ def find_islands(kinds, active, count, touched, touching, group):
 
 
 @jit
-def any_island_gained(bodies, kinds, touched, touching, group, soft, gravity):
+def any_island_gained(bodies, kinds, touched, touching, group, soft, gravity, dt):
     """Sum gains and kinetic energies of each island, at the row of its lowest body; returns whether an island has
     gained more than rounding."""
     aux = soft.aux
@@ -103,7 +103,7 @@ def any_island_gained(bodies, kinds, touched, touching, group, soft, gravity):
         aux[r, s.AUX_GAIN] = aux[r, s.AUX_HAS] = aux[r, s.AUX_OWES] = 0.0
     for k in range(touching):
         i = touched[k]
-        if kinds[i, MOBILITY] == DYNAMIC:
+        if kinds[i, MOBILITY] == DYNAMIC and not is_still(bodies, i, soft.rows, soft.aux, gravity, dt):
             gain, has = gain_of(bodies, i, soft, gravity)
             r = find_group(group, i) + 1
             aux[r, s.AUX_GAIN] += gain - STILL * bodies[i, MASS]
