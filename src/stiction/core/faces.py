@@ -87,10 +87,7 @@ def measure_face(contacts, tags, found, center, n, points, manifolds, apart, row
         corners = max(corners, remembered(points))
     more = corners > found
     for k in range(corners):
-        if not more:
-            d = vec3(contacts, k, POINT) - center
-        else:
-            d = Vec3(points[FACE + 1 + k, 0], points[FACE + 1 + k, 1], points[FACE + 1 + k, 2]) - center
+        d = (vec3(points, FACE + 1 + k, 0) if more else vec3(contacts, k, POINT)) - center
         points[FACE + 1 + k, 3], points[FACE + 1 + k, 4] = dot(d, e1), dot(d, e2)
     if more:
         _sort_around(points, corners)

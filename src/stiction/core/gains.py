@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
-from stiction.core.contact_work import displacement, kinetic, load_and_tilt, load_of, slow_down
-from stiction.core.islands import find_group, join
+from stiction.core.contact_work import displacement, kinetic, load_and_tilt, slow_down
+from stiction.core.islands import find_group, join_pairs
 from stiction.core.jit import jit
 from stiction.core.ledger import spin_energy_with
 from stiction.core.manifolds import gap_at, tilt_of
@@ -87,10 +87,7 @@ def find_islands(kinds, active, count, touched, touching, group):
     """Group bodies that touch each other, or are about to; what cannot move is alone."""
     for k in range(touching):
         group[touched[k]] = touched[k]
-    for k in range(count):
-        a, b = active[k, 0], active[k, 1]
-        if kinds[a, MOBILITY] == DYNAMIC and kinds[b, MOBILITY] == DYNAMIC:
-            join(group, a, b)
+    join_pairs(kinds, active, count, group)
 
 
 @jit
@@ -149,8 +146,6 @@ def depth_of(a, b, row, soft):
 @jit
 def work_of_load(a, b, row, soft, dt):
     """Work along the normals of what a manifold carried, by the mean force of the step and how its bodies went, J."""
-    if load_of(soft.meta, soft.reports, row) <= 0.0:
-        return 0.0
     force, torque = load_and_tilt(soft.manifolds, soft.meta, soft.pose, soft.reports, a, row)
     work = 0.0
     for i, arm, sign in ((a, s.ARM_A, -1.0), (b, s.ARM_B, 1.0)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from stiction.core.jit import jit
+from stiction.core.state import DYNAMIC, MOBILITY
 
 
 @jit
@@ -22,3 +23,12 @@ def join(group, i, j):
         group[rj] = ri
     elif rj < ri:
         group[ri] = rj
+
+
+@jit
+def join_pairs(kinds, active, count, group):
+    """Join the groups of both bodies of so many pairs, ``active`` (rows: a, b, ...), where both can move."""
+    for k in range(count):
+        a, b = active[k, 0], active[k, 1]
+        if kinds[a, MOBILITY] == DYNAMIC and kinds[b, MOBILITY] == DYNAMIC:
+            join(group, a, b)

@@ -456,9 +456,5 @@ def tilt_of(manifolds, row, Ra, Rb):
 @jit
 def gap_at(manifolds, row, j, shift, tilt_u, tilt_v):
     """Separation of point j, m, where b has moved by ``shift`` along the normal and turned by these angles."""
-    return (
-        manifolds[row, s.GAP + j]
-        + shift
-        + tilt_u * manifolds[row, s.PLACE_V + j]
-        - tilt_v * manifolds[row, s.PLACE_U + j]
-    )
+    x, y = manifolds[row, s.PLACE_U + j], manifolds[row, s.PLACE_V + j]
+    return manifolds[row, s.GAP + j] + shift + tilt_u * y - tilt_v * x

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from stiction.core import soft_rows as s
 from stiction.core.integrate import keep_body
-from stiction.core.islands import find_group, join
+from stiction.core.islands import find_group, join_pairs
 from stiction.core.jit import jit
 from stiction.core.state import ASLEEP, DYNAMIC, ISLAND, KINEMATIC, MOBILITY, REST, V, W
 from stiction.core.vec import Vec3, dot, put_vec3, vec3
@@ -36,10 +36,7 @@ def put_to_sleep(bodies, kinds, awake, count, active, contacts, manifolds, pose,
         candidates += kinds[i, MOBILITY] == DYNAMIC and bodies[i, REST] >= REST_TIME
     if candidates == 0:
         return 0
-    for k in range(contacts):
-        a, b = active[k, 0], active[k, 1]
-        if kinds[a, MOBILITY] == DYNAMIC and kinds[b, MOBILITY] == DYNAMIC:
-            join(group, a, b)
+    join_pairs(kinds, active, contacts, group)
     for k in range(count):
         i = awake[k]
         if kinds[i, MOBILITY] == DYNAMIC and bodies[i, REST] < REST_TIME:
