@@ -11,10 +11,11 @@ import numba
 import numpy as np
 import pytest
 from numba.core import event
+from numba.core.compiler import Flags
 
 from stiction.core import jit, state
 from stiction.core.collide.narrow import find_contacts
-from stiction.core.compiling import LinkedLibrary, no_collection
+from stiction.core.compiling import LinkedLibrary, SharedFlags, no_collection
 from stiction.core.jit import ENTRY
 
 pytestmark = pytest.mark.skipif(jit.config.DISABLE_JIT, reason="nothing is compiled")
@@ -150,3 +151,15 @@ def test_it_works_again_after_a_failure(kernel: Any) -> None:
 def test_kernels_of_others_are_left_alone() -> None:
     during = compiled_under_watch(numba.njit(lambda x: x + 1), 3)
     assert during and all(during)
+
+
+def test_equal_options_of_compilations_share_one_copy():
+    """A helper is found again among those compiled for the options of its caller, and only for those."""
+    plain = Flags()
+    plain.error_model = "numpy"
+    quick = Flags(plain)
+    quick.release_gil = True
+    copies = [SharedFlags(flags).copy() for flags in (plain, Flags(plain), quick)]
+    assert copies[0] is copies[1] == plain
+    assert copies[0] != copies[2] == quick
+    assert {copies[0]: "plain", copies[2]: "quick"} == {copies[1]: "plain", copies[2].copy(): "quick"}

@@ -77,9 +77,9 @@ def test_a_step_is_made_of_what_its_world_needs(monkeypatch: pytest.MonkeyPatch)
     soft_kernels.prepare_steps(alone._replace(on=("bounces",), team=True))
     soft_kernels.prepare_steps(alone, alone._replace(on=("boxes_meet",)), alone._replace(on=("boxes_meet", "rolls")))
     assert told == [
-        ["find", "pairs", "soft_step", "solve"],
-        ["assist", "dismiss", "find", "impacts", "pairs", "soft_step", "solve"],
-        ["find", "find", "pairs", "soft_step", "solve", "solve"],
+        ["find", "finish", "pairs", "soft_step", "solve"],
+        ["assist", "dismiss", "find", "finish", "impacts", "pairs", "soft_step", "solve"],
+        ["find", "find", "finish", "pairs", "soft_step", "solve", "solve"],
     ]
 
 

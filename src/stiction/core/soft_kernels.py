@@ -13,11 +13,12 @@ from stiction.core.parts import Variant, address_of, signature
 from stiction.core.side_by_side import Task, prepare
 
 COSTS = {
-    soft_parts.find: 15.0,
-    soft_parts.solve: 13.0,
-    soft_entry.soft_step: 14.0,
-    soft_parts.impacts: 8.0,
-    soft_parts.pairs: 5.5,
+    soft_parts.find: 10.5,
+    soft_entry.soft_step: 10.5,
+    soft_parts.solve: 9.5,
+    soft_parts.impacts: 5.0,
+    soft_parts.finish: 4.0,
+    soft_parts.pairs: 3.0,
     soft_entry.assist: 0.5,
     soft_entry.dismiss: 0.5,
 }
@@ -60,5 +61,5 @@ def prepare_steps(*variants: Variant) -> None:
 
 def _parts(variant: Variant) -> list[Any]:
     """The parts of a step, in the order of their addresses on the page."""
-    parts = [soft_parts.pairs, soft_parts.find, soft_parts.solve]
+    parts = [soft_parts.pairs, soft_parts.find, soft_parts.solve, soft_parts.finish]
     return [*parts, soft_parts.impacts] if "bounces" in variant.on else parts

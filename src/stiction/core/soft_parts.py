@@ -6,12 +6,15 @@ another law has to compile that one part which knows of it. Each takes the book,
 
 from __future__ import annotations
 
+from stiction.core.contact_work import give_to_tumblers, hold_tumblers
 from stiction.core.find import update_manifolds
 from stiction.core.friction.laws import laws_of
+from stiction.core.gains import take_gains_back
 from stiction.core.jit import part
 from stiction.core.pairs import update_pairs
 from stiction.core.parts import Crew, Number, Switch, Table, caller
 from stiction.core.pieces import BLOCK, BLOCKS, MOVER, MOVERS
+from stiction.core.sleep import PERIOD, put_to_sleep
 from stiction.core.soft_book import (
     bounces_at,
     cache_at,
@@ -24,14 +27,31 @@ from stiction.core.soft_book import (
     soft_of_all,
     tree_at,
 )
+from stiction.core.soft_lists import begin_bodies, finish_bodies
 from stiction.core.soft_rows import members_from
-from stiction.core.soft_scratch import AWAKE, GLIDE, MOVING
+from stiction.core.soft_scratch import (
+    ACTIVE,
+    AWAKE,
+    FROM,
+    GLIDE,
+    GROUP,
+    MARK,
+    MOVING,
+    PLACE,
+    RESTLESS,
+    STALE,
+    STEP,
+    SUBSTEPS,
+    TAKING_PART,
+    TOUCH,
+    TOUCHING,
+)
 from stiction.core.solve.bounces import bounce, collect_impacts, report_bounces
 from stiction.core.solve.exact import exact_of
 from stiction.core.solve.passes import run_passes
 from stiction.core.vec import length
 
-PAIRS_PART, FIND_PART, SOLVE_PART, IMPACTS_PART = range(4)
+PAIRS_PART, FIND_PART, SOLVE_PART, FINISH_PART, IMPACTS_PART = range(5)
 """Where the address of each is on the page of parts; that of the impacts is 0 where nothing bounces."""
 
 COLLECT, BOUNCE, REPORT = range(3)
@@ -82,6 +102,40 @@ def solve(
 
 
 @part
+def finish(book: Table, w: int, notes: Table, j: int, base: int, one: Number, laws: int) -> int:
+    """The end of a step of a world, whose note is the j-th and whose lists on the desk begin at ``base``: move its
+    bodies, let them pay for what contact has made, and let those sleep that are at rest; returns how many these are."""
+    bodies, kinds, _, ledger, _, settings = rows_of(book, w)
+    note, desk, scratch = notes[j], desk_at(book), scratch_at(book, w)
+    soft, gravity, dt = soft_at(book, w, note[PLACE], one), gravity_of(settings), settings.dt
+    awake, taking_part = scratch.bodies[AWAKE], note[TAKING_PART]
+    active, contacts = desk.active[note[FROM] :], note[ACTIVE]
+    mark, touched, touching = desk.lists[MARK, base:], desk.lists[TOUCHING, base:], note[TOUCH]
+    tumbling, lively = finish_bodies(
+        bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, soft.aux, gravity, dt, ledger
+    )
+    if tumbling > 0:
+        give_to_tumblers(bodies, active, contacts, touched, touching, soft, gravity, laws)
+        hold_tumblers(bodies, kinds, touched, touching, soft, gravity)
+    group, h = desk.lists[GROUP], dt / note[SUBSTEPS]
+    if lively:
+        take_gains_back(bodies, kinds, active, contacts, touched, touching, group, soft, gravity, dt, h)
+    counts = scratch.counts
+    counts[STEP] += 1
+    if not settings.sleeping or counts[STEP] % PERIOD != 0:
+        return 0
+    slept = put_to_sleep(
+        bodies, kinds, awake, taking_part, active, contacts, soft.manifolds, soft.pose, group, desk.lists[RESTLESS]
+    )
+    if slept > 0:
+        counts[STALE] = 1
+        # who meets them later sees them where they are now
+        g = length(gravity)
+        begin_bodies(bodies, kinds, awake, taking_part, soft.pose, soft.rows, soft.aux, gravity, g, dt, dt)
+    return slept
+
+
+@part
 def impacts(book: Table, job: int, w: int, n: int, place: int, start: int, count: int, one: Number) -> int:
     """What bounces in a world: list it among the active manifolds, ``count`` from ``start`` on; or resolve ``count``
     impacts that were listed, or report them.
@@ -103,4 +157,6 @@ def impacts(book: Table, job: int, w: int, n: int, place: int, start: int, count
     return count
 
 
-call_pairs, call_find, call_solve, call_impacts = (caller(each) for each in (pairs, find, solve, impacts))
+call_pairs, call_find, call_solve, call_finish, call_impacts = (
+    caller(each) for each in (pairs, find, solve, finish, impacts)
+)

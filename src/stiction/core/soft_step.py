@@ -20,15 +20,13 @@ from stiction.core.colouring import (
     fill_blocks,
     forget_colours,
 )
-from stiction.core.contact_work import drive_work, give_to_tumblers, hold_tumblers
+from stiction.core.contact_work import drive_work
 from stiction.core.find import list_manifolds
-from stiction.core.gains import take_gains_back
 from stiction.core.integrate import first_not_finite, is_number, restore_body
 from stiction.core.jit import jit
 from stiction.core.ledger import note_edits, total_energy
 from stiction.core.pieces import BLOCK, COUNT, FIRST, MOVER, MOVERS, PIECE, UNCUT_FOR, cut
 from stiction.core.pieces import BLOCKS as BLOCKS_HERE
-from stiction.core.sleep import PERIOD, put_to_sleep
 from stiction.core.slots import hand_out
 from stiction.core.soft_book import (
     LEDGER,
@@ -47,7 +45,6 @@ from stiction.core.soft_lists import (
     begin_bodies,
     begin_others,
     drop_forces,
-    finish_bodies,
     first_bad_row,
     is_uneven,
     keep_states,
@@ -61,11 +58,13 @@ from stiction.core.soft_parts import (
     BOUNCE,
     COLLECT,
     FIND_PART,
+    FINISH_PART,
     IMPACTS_PART,
     PAIRS_PART,
     REPORT,
     SOLVE_PART,
     call_find,
+    call_finish,
     call_impacts,
     call_pairs,
     call_solve,
@@ -93,7 +92,6 @@ from stiction.core.soft_scratch import (
     RESTLESS,
     ROLE,
     STALE,
-    STEP,
     SUBSTEPS,
     TAKING_PART,
     TOUCH,
@@ -331,7 +329,7 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, po
         entries[FRICTION], entries[ROLLING_LOSS] = friction, rolling
     for j in range(worlds):
         if notes[j, ROLE] == WAITS and desk.failed[j] == 0:
-            end_step(book, first + j, j * places_of(desk), notes[j], outcomes, one, bounces, laws)
+            end_step(book, first + j, j * places_of(desk), notes, j, outcomes, one, bounces, laws)
 
 
 @jit
@@ -432,43 +430,18 @@ def fails(book, w, n, base, note, outcomes, one, h):
 
 
 @jit
-def end_step(book, w, base, note, outcomes, one, bounces, laws):
-    """Move the bodies of a world, and let those sleep that are at rest."""
-    bodies, kinds, _, ledger, profile, settings = rows_of(book, w)
-    soft, desk, scratch = soft_at(book, w, note[PLACE], one), desk_at(book), scratch_at(book, w)
-    awake, taking_part, active = scratch.bodies[AWAKE], note[TAKING_PART], desk.active[note[FROM] :]
+def end_step(book, w, base, notes, j, outcomes, one, bounces, laws):
+    """Move the bodies of a world, whose note is the j-th, and let those sleep that are at rest."""
+    bodies, kinds, _, ledger, profile, _ = rows_of(book, w)
+    note, desk = notes[j], desk_at(book)
+    soft, active = soft_at(book, w, note[PLACE], one), desk.active[note[FROM] :]
     ledger[WORK] += drive_work(bodies, kinds, active, note[ACTIVE], soft.manifolds, soft.meta, soft.pose, soft.reports)
     if bounces:
         call_impacts(part_at(book, IMPACTS_PART), (book, REPORT, w, 0, note[PLACE], 0, note[BOUNCING], one))
     lap(profile, 7)
-    mark, touched, gravity = desk.lists[MARK, base:], desk.lists[TOUCHING, base:], gravity_of(settings)
-    tumbling, lively = finish_bodies(
-        bodies, kinds, awake, taking_part, mark, soft.pose, soft.rows, soft.aux, gravity, settings.dt, ledger
-    )
-    if tumbling > 0:
-        give_to_tumblers(bodies, active, note[ACTIVE], touched, note[TOUCH], soft, gravity, laws)
-        hold_tumblers(bodies, kinds, touched, note[TOUCH], soft, gravity)
-    if lively:
-        take_gains_back(
-            bodies, kinds, active, note[ACTIVE], touched, note[TOUCH], desk.lists[GROUP], soft, gravity, settings.dt,
-            settings.dt / note[SUBSTEPS],
-        )  # fmt: skip
-    unmark(mark, touched, note[TOUCH])
+    call_finish(part_at(book, FINISH_PART), (book, w, notes, j, base, one, laws))
+    unmark(desk.lists[MARK, base:], desk.lists[TOUCHING, base:], note[TOUCH])
     outcomes[w, TAKEN] += 1
-    counts = scratch.counts
-    counts[STEP] += 1
-    if settings.sleeping and counts[STEP] % PERIOD == 0:
-        slept = put_to_sleep(
-            bodies, kinds, awake, taking_part, active, note[ACTIVE], soft.manifolds, soft.pose, desk.lists[GROUP],
-            desk.lists[RESTLESS],
-        )  # fmt: skip
-        if slept > 0:
-            counts[STALE] = 1
-            # who meets them later sees them where they are now
-            dt = settings.dt
-            begin_bodies(
-                bodies, kinds, awake, taking_part, soft.pose, soft.rows, soft.aux, gravity, length(gravity), dt, dt
-            )
     lap(profile, 8)
 
 
