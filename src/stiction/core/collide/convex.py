@@ -38,6 +38,10 @@ from stiction.core.vec import Vec3, column, dot, length, vec3
 
 FACE_PREFERENCE = 0.005
 """Two edges must be better than the best face by this part of the least half width."""
+KEPT, TURNED = 0.1, 1e-5
+"""The same for the face along which contact was found before, in addition, as a part of the depth: where loads press
+shapes into each other, turns of a milliradian decide which is better, and contact that jumps between a face and a pair
+of edges never comes to rest. It was that face if the normal has turned by less than this (1 - cosine)."""
 ROUND_PREFERENCE = 0.001
 """The same where something round touches, and for the face of the one shape before that of the other."""
 FINE = 1e-11
@@ -99,10 +103,14 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
         )
         if face_sigma - r > margin:
             return count, face_n, face_sigma - r
+    # what was found along the face a moment ago, and is deep, must be clearly better to be looked for elsewhere
+    keep = slack
+    if face >= 0 and face_sigma < r and dot(hint, face_n) > (1.0 - TURNED) * length(hint) > 0.0:
+        keep += KEPT * min(r - face_sigma, small)
     F, X, out = A, B, face_n
     if owner == 1:
         F, X, out = B, A, -face_n
-    if face >= 0 and face_sigma >= sigma - slack:
+    if face >= 0 and face_sigma >= sigma - keep:
         found = clip_face(F, face, out, X, owner, hulls, margin, points)
         found = reduce(points, found, out)
         for i in range(found):
@@ -131,9 +139,9 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
     normal = n
     if sure:
         normal = face_n
-    elif face >= 0 and face_sigma >= sigma - slack:
+    elif face >= 0 and face_sigma >= sigma - keep:
         normal = face_n
-        if deepest > max(sigma, face_sigma) - r + 2.0 * slack:
+        if deepest > max(sigma, face_sigma) - r + 2.0 * keep:
             found = 0  # the nearest place lies beside the face
         if found == 0 and face_sigma > sigma:
             # the face of X that looks at this one lies beside it: X touches with its lowest point
