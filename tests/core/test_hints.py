@@ -15,13 +15,14 @@ from stiction.core.collide.hulls import convex_of, depth_in
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.vec import Vec3
 
-from .support import Array, Placed, box, matrix_of, random_unit, rows_of
+from .support import Array, Placed, box, matrix_of, product, random_unit, rows_of
 from .test_collide_shapes import (
     HULLS,
     KINDS,
     TABLE,
     along,
     best_separation,
+    cube,
     hull,
     least_width,
     random_pair,
@@ -126,6 +127,39 @@ def test_what_overlaps_has_a_point_as_deep_as_it_is(rng: np.random.Generator, ki
         assert rows[:, state.SEPARATION].min() <= deep + 0.012 * least_width(a, b) + 1e-6, kinds
         seen += 1
     assert seen > 20
+
+
+def leaning_bar(lean: float, depth: float, as_hull: bool) -> tuple[Placed, Placed]:
+    """A cube, and a bar that lies on it with one of its edges, ``depth`` (m) below the edge of the cube across which it
+    hangs over by 10 cm and leans down by an angle (rad)."""
+    sizes = (0.5, 0.5, 0.5), (0.1, 0.3, 0.1)
+    on_edge, tipped = (np.array([math.cos(0.5 * t), *(math.sin(0.5 * t) * np.array(axis))]) for t, axis in (
+        (0.25 * math.pi, (0.0, 1.0, 0.0)), (-lean, (1.0, 0.0, 0.0))
+    ))  # fmt: skip
+    height = 0.5 - depth + 0.1 * math.sqrt(2.0) * math.cos(lean) + 0.2 * math.sin(lean)
+    place, turn = (0.0, 0.3, height), tuple(product(tipped, on_edge))
+    shape = cube if as_hull else box
+    return shape(sizes[0]), shape(sizes[1], place, turn)
+
+
+@pytest.mark.parametrize("as_hull", [False, True], ids=["boxes", "hulls"])
+def test_the_face_along_which_deep_contact_was_found_is_kept(as_hull: bool) -> None:
+    """Where the crossing edges are a little less deep: contact would jump between them and the face with every turn."""
+
+    def found(lean: float, depth: float, hint: Any = (0.0, 0.0, 0.0)) -> tuple[int, float]:
+        """How many points, and how far their normal leans (rad)."""
+        rows, _, _ = look(*leaning_bar(lean, depth, as_hull), 0.02, hint)
+        n = rows[0, state.NORMAL : state.NORMAL + 3]
+        return len(rows), math.atan2(math.hypot(n[0], n[1]), n[2])
+
+    up = (0.0, 0.0, 1.0)
+    assert found(0.003, 0.01) == found(0.003, 0.01, up) == (2, 0.0)
+    assert found(0.01, 0.01) == pytest.approx((1, 0.01))
+    assert found(0.01, 0.01, up) == (2, 0.0)
+    # clearly better; hardly deep; found along the edges before
+    assert found(0.03, 0.01, up) == pytest.approx((1, 0.03))
+    assert found(0.01, 0.001, up) == pytest.approx((1, 0.01))
+    assert found(0.01, 0.01, (0.0, math.sin(0.01), math.cos(0.01))) == pytest.approx((1, 0.01))
 
 
 def test_points_over_a_face_are_none_where_what_overlaps_lies_beside_it() -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from stiction.core.collide.manifold import ENDLESS, emit, put_lead, put_radii, reduce
+from stiction.core.collide.manifold import ENDLESS, emit, lasting, put_lead, put_radii, reduce
 from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, cross, dot, rotation, transpose
 
@@ -67,7 +67,8 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
             return count, e, separation
 
     face, best_face, face_normal = -1, -math.inf, d
-    slack = FACE_PREFERENCE * min(min(ha.x, min(ha.y, ha.z)), min(hb.x, min(hb.y, hb.z)))
+    small = min(min(ha.x, min(ha.y, ha.z)), min(hb.x, min(hb.y, hb.z)))
+    slack = FACE_PREFERENCE * small
     for k in range(6):
         e = column(Ra, k) if k < 3 else column(Rb, k - 3)
         s = dot(d, e)
@@ -92,7 +93,7 @@ def box_box(contacts, tags, count, a, pa, qa, ha, b, pb, qb, hb, margin, hint, p
 
     best = max(best_face, best_edge)
     apart, found = best > 0.0, 0
-    clear = best_edge > best_face + slack
+    clear = best_edge > best_face + slack + lasting(known, face_normal, -best_face, small)
     leans = clear and min(dot(edge_normal, face_normal), dot(known, face_normal)) > 1.0 - LEANING
     if leans or not clear:
         out = face_normal

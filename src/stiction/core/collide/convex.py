@@ -32,16 +32,12 @@ from stiction.core.collide.directions import (
 from stiction.core.collide.ellipsoid import is_smooth, sharpen
 from stiction.core.collide.gjk import closest
 from stiction.core.collide.hulls import NOTHING, POINT, depth_in, face_below, support
-from stiction.core.collide.manifold import ENDLESS, emit, put_lead, put_radii, reduce
+from stiction.core.collide.manifold import ENDLESS, emit, lasting, put_lead, put_radii, reduce
 from stiction.core.jit import jit
 from stiction.core.vec import Vec3, column, dot, length, vec3
 
 FACE_PREFERENCE = 0.005
 """Two edges must be better than the best face by this part of the least half width."""
-KEPT, TURNED = 0.1, 1e-5
-"""The same for the face along which contact was found before, in addition, as a part of the depth: where loads press
-shapes into each other, turns of a milliradian decide which is better, and contact that jumps between a face and a pair
-of edges never comes to rest. It was that face if the normal has turned by less than this (1 - cosine)."""
 ROUND_PREFERENCE = 0.001
 """The same where something round touches, and for the face of the one shape before that of the other."""
 FINE = 1e-11
@@ -103,10 +99,7 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
         )
         if face_sigma - r > margin:
             return count, face_n, face_sigma - r
-    # what was found along the face a moment ago, and is deep, must be clearly better to be looked for elsewhere
-    keep = slack
-    if face >= 0 and face_sigma < r and dot(hint, face_n) > (1.0 - TURNED) * length(hint) > 0.0:
-        keep += KEPT * min(r - face_sigma, small)
+    keep = slack + lasting(hint, face_n, r - face_sigma, small) if face >= 0 else slack
     F, X, out = A, B, face_n
     if owner == 1:
         F, X, out = B, A, -face_n

@@ -15,6 +15,9 @@ SAME_DEPTH = 0.01
 """Separations that differ by less than this part of the patch's size are the same."""
 SAME_PLACE2 = 1e-4
 """Points nearer than the root of this part of it are in the same place."""
+KEPT, TURNED = 0.1, 1e-5
+"""The face along which contact was found before is kept unless another direction is better by this part of the depth;
+it was that face if the normal has turned by less than this since, 1 - cosine."""
 ENDLESS, UNKNOWN = math.inf, -1.0
 """Radii of curvature of what is flat, and of what it is not known of."""
 ROUND = 1 << 40
@@ -40,6 +43,19 @@ def emit(contacts, tags, count, a, b, point, normal, separation, feature):
         contacts[count, SEPARATION] = separation
         tags[count, FEATURE] = feature
     return count + 1
+
+
+@jit
+def lasting(hint, normal, depth, small):
+    """By how much, m, another direction must be better than the face with this normal because contact was found along
+    it a moment ago, in the direction ``hint``, of any length, or zero; ``small`` is the least half width.
+
+    Where loads press shapes into each other by millimetres, a turn of a milliradian decides whether a face or a pair of
+    edges is the shallower way out: contact that jumps between them never comes to rest.
+    """
+    if depth <= 0.0 or dot(hint, normal) <= (1.0 - TURNED) * math.sqrt(dot(hint, hint)):
+        return 0.0
+    return KEPT * min(depth, small)
 
 
 @jit
