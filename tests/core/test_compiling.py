@@ -153,7 +153,7 @@ def test_kernels_of_others_are_left_alone() -> None:
     assert during and all(during)
 
 
-def test_equal_options_of_compilations_share_one_copy():
+def test_equal_options_of_compilations_share_one_copy() -> None:
     """A helper is found again among those compiled for the options of its caller, and only for those."""
     plain = Flags()
     plain.error_model = "numpy"

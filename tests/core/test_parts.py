@@ -134,15 +134,15 @@ def test_in_plain_python_the_address_is_the_function(monkeypatch: pytest.MonkeyP
     assert call(address_of(part, ALONE._replace(on=("squared",))), (BOOK, 1, 1.0, 1.0, None)) == 14
 
 
-PARTS = ("pairs", "find", "solve", "finish", "impacts")
-
-
 @compiled
 def test_a_part_has_no_more_variants_than_its_own_switches_make() -> None:
     """What a scene adds to another one compiles the part that knows of it, and no other."""
 
     def kinds(*on: str) -> dict[str, Any]:
-        kernels = (soft_entry.soft_step, *(getattr(soft_parts, name) for name in PARTS))
+        kernels = (
+            soft_entry.soft_step, soft_parts.pairs, soft_parts.find, soft_parts.solve, soft_parts.finish,
+            soft_parts.impacts,
+        )  # fmt: skip
         return {kernel.py_func.__name__: signature(kernel, ALONE._replace(on=on)) for kernel in kernels}
 
     def changed(*on: str) -> set[str]:

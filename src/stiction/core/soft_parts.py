@@ -27,7 +27,7 @@ from stiction.core.soft_book import (
     soft_of_all,
     tree_at,
 )
-from stiction.core.soft_lists import begin_bodies, finish_bodies
+from stiction.core.soft_lists import begin_bodies, finish_bodies, unmark
 from stiction.core.soft_rows import members_from
 from stiction.core.soft_scratch import (
     ACTIVE,
@@ -120,6 +120,7 @@ def finish(book: Table, w: int, notes: Table, j: int, base: int, one: Number, la
     group, h = desk.lists[GROUP], dt / note[SUBSTEPS]
     if lively:
         take_gains_back(bodies, kinds, active, contacts, touched, touching, group, soft, gravity, dt, h)
+    unmark(mark, touched, touching)
     counts = scratch.counts
     counts[STEP] += 1
     if not settings.sleeping or counts[STEP] % PERIOD != 0:

@@ -329,7 +329,7 @@ def solve_worlds(n, book, first, worlds, notes, outcomes, one, bounces, laws, po
         entries[FRICTION], entries[ROLLING_LOSS] = friction, rolling
     for j in range(worlds):
         if notes[j, ROLE] == WAITS and desk.failed[j] == 0:
-            end_step(book, first + j, j * places_of(desk), notes, j, outcomes, one, bounces, laws)
+            end_step(book, first + j, notes, j, outcomes, one, bounces, laws)
 
 
 @jit
@@ -430,7 +430,7 @@ def fails(book, w, n, base, note, outcomes, one, h):
 
 
 @jit
-def end_step(book, w, base, notes, j, outcomes, one, bounces, laws):
+def end_step(book, w, notes, j, outcomes, one, bounces, laws):
     """Move the bodies of a world, whose note is the j-th, and let those sleep that are at rest."""
     bodies, kinds, _, ledger, profile, _ = rows_of(book, w)
     note, desk = notes[j], desk_at(book)
@@ -439,8 +439,7 @@ def end_step(book, w, base, notes, j, outcomes, one, bounces, laws):
     if bounces:
         call_impacts(part_at(book, IMPACTS_PART), (book, REPORT, w, 0, note[PLACE], 0, note[BOUNCING], one))
     lap(profile, 7)
-    call_finish(part_at(book, FINISH_PART), (book, w, notes, j, base, one, laws))
-    unmark(desk.lists[MARK, base:], desk.lists[TOUCHING, base:], note[TOUCH])
+    call_finish(part_at(book, FINISH_PART), (book, w, notes, j, j * places_of(desk), one, laws))
     outcomes[w, TAKEN] += 1
     lap(profile, 8)
 

@@ -2,7 +2,7 @@
 their corners.
 
 First the direction along which they are farthest apart, or least deep in each other (``directions``); then a face that
-is as good as the best direction is the reference, and what lies over it is clipped to it.
+is as good as the best direction, or was a moment ago, is the reference, and what lies over it is clipped to it.
 
 A pair that was looked at a moment ago has a direction to begin with. All faces that could be better than it are tried;
 and if the deepest of the points that lie over the best face is as deep as the shapes are along its normal, this may be
@@ -99,7 +99,7 @@ def convex_convex(contacts, tags, count, a, A, b, B, origin, hint, hulls, margin
         )
         if face_sigma - r > margin:
             return count, face_n, face_sigma - r
-    keep = slack + lasting(hint, face_n, r - face_sigma, small) if face >= 0 else slack
+    keep = slack + lasting(hint, face_n, r - face_sigma, small)
     F, X, out = A, B, face_n
     if owner == 1:
         F, X, out = B, A, -face_n

@@ -15,7 +15,7 @@ SAME_DEPTH = 0.01
 """Separations that differ by less than this part of the patch's size are the same."""
 SAME_PLACE2 = 1e-4
 """Points nearer than the root of this part of it are in the same place."""
-KEPT, TURNED = 0.1, 1e-5
+LASTS, TURNED = 0.1, 1e-5
 """The face along which contact was found before is kept unless another direction is better by this part of the depth;
 it was that face if the normal has turned by less than this since, 1 - cosine."""
 ENDLESS, UNKNOWN = math.inf, -1.0
@@ -55,7 +55,7 @@ def lasting(hint, normal, depth, small):
     """
     if depth <= 0.0 or dot(hint, normal) <= (1.0 - TURNED) * math.sqrt(dot(hint, hint)):
         return 0.0
-    return KEPT * min(depth, small)
+    return LASTS * min(depth, small)
 
 
 @jit
