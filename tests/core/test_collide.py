@@ -153,6 +153,21 @@ def test_nothing_lies_beyond_the_margin_and_the_lower_body_comes_first(
     assert found > 50
 
 
+@pytest.mark.parametrize("gap", [1e-2, 1e-5, 1e-8])
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_corner_near_a_corner_has_a_normal_of_length_one(rng: np.random.Generator, gap: float, swapped: bool) -> None:
+    """However near, and though a hundred metres from the origin their distance is a difference of large numbers."""
+    for _ in range(20):
+        q, where = random_unit(rng, 4), rng.uniform(-100.0, 100.0, size=3)
+        size_a, size_b = rng.uniform(0.3, 1.5, size=(2, 3))
+        way = np.abs(random_unit(rng)) + 0.05
+        a = box(size_a, where, q)
+        b = box(size_b, where + matrix_of(q) @ (size_a + size_b + gap * way / np.linalg.norm(way)), q)
+        manifold = contacts_of(b, a, 0.1) if swapped else contacts_of(a, b, 0.1)
+        assert len(manifold) == 1
+        np.testing.assert_allclose(np.linalg.norm(manifold.normals, axis=1), 1.0, rtol=0, atol=1e-14)
+
+
 @both_ways
 def test_the_normal_points_from_the_first_body_to_the_second(rng: np.random.Generator, kinds: tuple[str, str]) -> None:
     """Move the second along it by a little, and every separation grows by as much."""
