@@ -12,6 +12,7 @@ import pytest
 
 from stiction.core import state
 from stiction.core.collide.hulls import convex_of, depth_in
+from stiction.core.collide.manifold import LASTS, TURNED
 from stiction.core.collide.narrow import pair_contacts
 from stiction.core.vec import Vec3
 
@@ -75,9 +76,12 @@ def find_with_hints(rng: np.random.Generator, kinds: tuple[str, str]) -> None:
                 assert len(plain) or hinted[:, state.SEPARATION].min() > margin - 1e-3
                 if not len(plain):
                     continue
+                normal = hinted[:1, state.NORMAL : state.NORMAL + 3]
                 one, two = (
                     float(along(a, b, rows[:1, state.NORMAL : state.NORMAL + 3])[0]) for rows in (plain, hinted)
                 )
+                if normal[0] @ hint > 1.0 - TURNED:  # a face that is kept though another direction is a little better
+                    slack += LASTS * max(-two, 0.0)
                 assert two >= one - slack, (kinds, gap, angle, one, two)
                 depths = [rows[:, state.SEPARATION].min() for rows in (plain, hinted)]
                 assert depths[1] <= depths[0] + slack, (kinds, gap, angle, depths)
@@ -90,10 +94,13 @@ def test_a_hint_loses_no_contact_and_finds_as_good_a_normal(rng: np.random.Gener
 
 
 @pytest.mark.parametrize(
-    ("seed", "kinds"), [(748340348, ("box", "hull")), (3134012665, ("cylinder", "hull"))], ids=["face", "climb"]
+    ("seed", "kinds"),
+    [(748340348, ("box", "hull")), (3134012665, ("cylinder", "hull")), (14, ("hull", "hull"))],
+    ids=["face", "climb", "kept"],
 )
 def test_hints_that_led_astray(seed: int, kinds: tuple[str, str]) -> None:
-    """To a face beside whose border two edges are less deep; to a climb that began at the best face alone."""
+    """To a face beside whose border two edges are less deep; to a climb that began at the best face alone; and to a
+    face that is kept though two edges are 5 mm of 5 cm less deep."""
     find_with_hints(np.random.default_rng(seed), kinds)
 
 
