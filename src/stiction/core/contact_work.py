@@ -11,7 +11,7 @@ import math
 
 from stiction.core import soft_rows as s
 from stiction.core.jit import jit
-from stiction.core.ledger import spin_energy
+from stiction.core.ledger import spin_energy, spin_energy_with
 from stiction.core.manifolds import belt_velocity
 from stiction.core.state import (
     CENTER,
@@ -88,7 +88,7 @@ def note_tumbler(bodies, i, pose, aux, w1, work, dt):
     what pulls at it besides contact, J."""
     r = i + 1
     aux[r, s.AUX_PULLED] = work
-    if pose[r, s.POSE_ODD] < s.TUMBLES:
+    if not tumbles(pose, i):
         I = mat33(bodies, i, INERTIA)
         if dot(w1, w1) * dt * dt <= FAST_TURN * FAST_TURN or (I.xx == I.yy and I.yy == I.zz):
             return False
@@ -119,16 +119,16 @@ def give_to_tumblers(bodies, active, count, touched, touching, soft, gravity, la
             aux[a if flow > 0.0 else b, s.AUX_OWES] += abs(flow)
             pairs += 1
             continue
-        if pose[a, s.POSE_ODD] >= s.TUMBLES:
+        if tumbles(pose, a - 1):
             aux[a, s.AUX_GIVEN] -= by_b
-        if pose[b, s.POSE_ODD] >= s.TUMBLES:
+        if tumbles(pose, b - 1):
             aux[b, s.AUX_GIVEN] += by_a
     if pairs == 0:
         return
     for k in range(touching):
-        r = touched[k] + 1
-        if pose[r, s.POSE_ODD] >= s.TUMBLES and aux[r, s.AUX_OWES] > 0.0:
-            has, lifted = means_of(bodies, touched[k], soft, gravity)
+        i, r = touched[k], touched[k] + 1
+        if tumbles(pose, i) and aux[r, s.AUX_OWES] > 0.0:
+            has, lifted = means_of(bodies, i, soft, gravity)
             aux[r, s.AUX_OWES] = min(max(has - lifted, 0.0) / aux[r, s.AUX_OWES], 1.0)
     for k in range(count):
         a, b = active[k, 0] + 1, active[k, 1] + 1
@@ -174,14 +174,32 @@ def kinetic(bodies, i):
 
 
 @jit
+def kinetic_at_start(bodies, i, soft):
+    """Kinetic energy of body i when the step began, J."""
+    r = i + 1
+    v, w = wide(vec3(soft.aux, r, s.AUX_START_V)), wide(vec3(soft.aux, r, s.AUX_START_W))
+    turning = spin_energy_with(bodies, i, transpose(mat33(soft.pose, r, s.POSE_ROTATION)) @ w)
+    return 0.5 * bodies[i, MASS] * dot(v, v) + turning
+
+
+@jit
+def rise_of(bodies, i, soft, gravity):
+    """What the height of body i has gained in a step that has moved it, J."""
+    return -bodies[i, MASS] * dot(gravity, displacement(bodies, i, soft))
+
+
+@jit
 def means_of(bodies, i, soft, gravity):
     """The kinetic energy that body i had at the start of a step and what it was given in it, and how much of that went
     into its height, J."""
-    r = i + 1
-    R = mat33(soft.pose, r, s.POSE_ROTATION)
-    v0, w0 = wide(vec3(soft.aux, r, s.AUX_START_V)), transpose(R) @ wide(vec3(soft.aux, r, s.AUX_START_W))
-    had = 0.5 * (bodies[i, MASS] * dot(v0, v0) + dot(w0, mat33(bodies, i, INERTIA) @ w0))
-    return had + soft.aux[r, s.AUX_GIVEN], -bodies[i, MASS] * dot(gravity, displacement(bodies, i, soft))
+    given = soft.aux[i + 1, s.AUX_GIVEN]
+    return kinetic_at_start(bodies, i, soft) + given, rise_of(bodies, i, soft, gravity)
+
+
+@jit
+def tumbles(pose, i):
+    """Whether body i has turned far in the step, or soon will."""
+    return pose[i + 1, s.POSE_ODD] >= s.TUMBLES
 
 
 @jit
@@ -197,7 +215,7 @@ def hold_tumblers(bodies, kinds, touched, touching, soft, gravity):
     given in it; those that could not even rise so far for it go back."""
     for k in range(touching):
         i = touched[k]
-        if kinds[i, MOBILITY] != DYNAMIC or soft.pose[i + 1, s.POSE_ODD] < s.TUMBLES:
+        if kinds[i, MOBILITY] != DYNAMIC or not tumbles(soft.pose, i):
             continue
         has, lifted = means_of(bodies, i, soft, gravity)
         now, may = kinetic(bodies, i), max(has - lifted, 0.0)

@@ -17,14 +17,13 @@ from __future__ import annotations
 import math
 
 from stiction.core import soft_rows as s
-from stiction.core.contact_work import displacement, kinetic, load_and_tilt, slow_down
+from stiction.core.contact_work import kinetic, kinetic_at_start, load_and_tilt, rise_of, slow_down, tumbles
 from stiction.core.islands import find_group, join_pairs
 from stiction.core.jit import jit
-from stiction.core.ledger import spin_energy_with
 from stiction.core.manifolds import gap_at, tilt_of
 from stiction.core.solve.soft import softness
 from stiction.core.state import DYNAMIC, KINEMATIC, MASS, MOBILITY, REACH, V, W
-from stiction.core.vec import cross, dot, length, mat33, transpose, vec3, wide
+from stiction.core.vec import cross, dot, length, mat33, vec3, wide
 
 ROUNDING, STILL = 1e-7, 1e-7
 """What may be gained unnoticed: this part of a kinetic energy, and so much a mass, J/kg: that of ten nanometres."""
@@ -75,11 +74,8 @@ def is_still(bodies, i, rows, aux, gravity, dt):
 @jit
 def gain_of(bodies, i, soft, gravity):
     """What body i has gained in a step beyond the work of what pulls at it besides contact, and its kinetic energy."""
-    r, mass = i + 1, bodies[i, MASS]
-    v, w = wide(vec3(soft.aux, r, s.AUX_START_V)), wide(vec3(soft.aux, r, s.AUX_START_W))
-    had = 0.5 * mass * dot(v, v) + spin_energy_with(bodies, i, transpose(mat33(soft.pose, r, s.POSE_ROTATION)) @ w)
-    has, rise = kinetic(bodies, i), -mass * dot(gravity, displacement(bodies, i, soft))
-    return has - had + rise - soft.aux[r, s.AUX_PULLED], has
+    has, had = kinetic(bodies, i), kinetic_at_start(bodies, i, soft)
+    return has - had + rise_of(bodies, i, soft, gravity) - soft.aux[i + 1, s.AUX_PULLED], has
 
 
 @jit
@@ -154,12 +150,6 @@ def work_of_load(a, b, row, soft, dt):
         turn = wide(vec3(soft.aux, r, s.AUX_START_W)) * dt + wide(vec3(soft.rows, r, s.ROW_TURN))
         work += sign * (dot(force, way + cross(turn, wide(vec3(soft.manifolds, row, arm)))) + dot(torque, turn))
     return work / dt
-
-
-@jit
-def tumbles(pose, i):
-    """Whether body i has turned far in the step."""
-    return pose[i + 1, s.POSE_ODD] >= s.TUMBLES
 
 
 @jit

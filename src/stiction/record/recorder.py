@@ -88,7 +88,10 @@ def gather(frames: Sequence[Frame], n: int) -> dict[str, NDArray[Any]]:
     }
     stacked["times"] = np.array([frame.time for frame in frames], np.float64)
     stacked["motion"] = np.array([frame.motion for frame in frames], np.uint8).reshape(f, n)
-    stacked["contacts"] = np.concatenate([np.zeros(0, CONTACT_DTYPE), *(frame.contacts for frame in frames)])
+    stacked["contacts"] = np.concatenate(
+        [np.zeros(0, CONTACT_DTYPE), *(frame.contacts for frame in frames)],
+        dtype=CONTACT_DTYPE,  # else each of them is compared with the one before it, field by field
+    )
     stacked["counts"] = np.array([len(frame.contacts) for frame in frames], np.int64)
     return stacked
 
