@@ -1,4 +1,4 @@
-"""What sweeps cost: ``python benchmarks/scaling.py [--write]`` (about five minutes); nothing here is asserted.
+"""What sweeps cost: ``python benchmarks/scaling.py [--write]`` (about a minute); nothing here is asserted.
 
 Measures the rates from which docs/scaling.md computes what large sweeps take, prints the page's tables, and with
 ``--write`` puts them into the page. Ray's rate is measured where Ray is installed. On a busy machine wall times say
