@@ -62,6 +62,10 @@ def random_inverse_inertia(rng: Generator) -> Array:
 
 # --- contacts of two shapes -------------------------------------------------------------------------------------------
 
+BEYOND = 3e-6
+"""m, by which the shapes of these tests may be farther apart than the margin and yet touch: the narrow phase adds a
+millionth of their sizes, so that rounding does not decide."""
+
 
 @dataclass(frozen=True)
 class Placed:

@@ -22,6 +22,7 @@ from stiction.core.collide.manifold import SAME_DEPTH, reduce
 from stiction.core.collide.narrow import find_contacts
 
 from .support import (
+    BEYOND,
     Array,
     Manifold,
     Placed,
@@ -146,7 +147,7 @@ def test_nothing_lies_beyond_the_margin_and_the_lower_body_comes_first(
         manifold = contacts_of(a, b, margin)
         found += len(manifold)
         assert len(manifold) <= 4
-        assert (manifold.separations <= margin + 3e-6).all()
+        assert (manifold.separations <= margin + BEYOND).all()
         assert (manifold.bodies == (0, 1)).all()
         np.testing.assert_allclose(np.linalg.norm(manifold.normals, axis=1), 1.0, rtol=0, atol=1e-14)
         assert len(set(manifold.features.tolist())) == len(manifold)
@@ -300,10 +301,9 @@ def test_a_box_meets_a_plane_with_its_lowest_corners(rng: np.random.Generator) -
         n = b.axes @ np.array(b.size[:3])
         heights = (a.corners() - np.asarray(b.position)) @ n - b.size[3]
         m = contacts_of(a, b, 0.3)
-        near = np.flatnonzero(heights <= 0.3)
-        assert len(m) <= min(4, len(near))
-        assert len(m) == len(near) or len(near) > 4
-        assert (len(m) == 0) == (len(near) == 0)
+        # between margin and margin + BEYOND a corner may count or not
+        near, may = int((heights <= 0.3).sum()), int((heights <= 0.3 + BEYOND).sum())
+        assert min(4, near) <= len(m) <= min(4, may) or (may > 4 and 0 < len(m) <= 4)
         for separation, corner, point, normal in zip(m.separations, m.features, m.points, m.normals, strict=True):
             assert separation == pytest.approx(heights[corner], abs=1e-12)
             np.testing.assert_allclose(normal, -n, atol=1e-14)

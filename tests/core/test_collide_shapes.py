@@ -22,7 +22,7 @@ from stiction.core import state
 from stiction.core.collide.manifold import ROUND
 from stiction.hulls import HullTable
 
-from .support import Array, Manifold, Placed, box, contacts_of, matrix_of, plane, product, random_unit, sphere
+from .support import BEYOND, Array, Manifold, Placed, box, contacts_of, matrix_of, plane, product, random_unit, sphere
 
 TABLE = HullTable()
 HULLS: dict[int, Array] = {}
@@ -241,7 +241,7 @@ def test_nothing_beyond_the_margin_and_at_most_four(rng: np.random.Generator, ki
         margin = float(rng.uniform(0.0, 0.2))
         m = touching(a, b, margin)
         assert len(m) <= 4
-        assert (m.separations <= margin + 3e-6).all()
+        assert (m.separations <= margin + BEYOND).all()
         assert (m.bodies == (0, 1)).all()
         assert len(set(m.features.tolist())) == len(m)
         np.testing.assert_allclose(np.linalg.norm(m.normals, axis=1), 1.0, rtol=0, atol=1e-12)
