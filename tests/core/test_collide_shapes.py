@@ -149,19 +149,18 @@ def random_shape(rng: np.random.Generator, kind: str) -> Placed:
 def at_gap(rng: np.random.Generator, a: Placed, b: Placed, gap: float) -> Placed:
     """b moved away from a in some direction until they are ``gap`` apart, to a thousandth of their size.
 
-    Three thousand directions lie 0.05 apart, and metres of width times that are a wide miss: the search is repeated
-    among directions ever nearer to the best one, too.
+    What a direction sees grows in proportion to the way, so each says how far b may go, and the least counts. Three
+    thousand directions lie 0.05 apart, and metres of width times that are a wide miss: the search is repeated among
+    directions ever nearer to the best one, too.
     """
     way, anywhere = random_unit(rng), rng.normal(size=(3000, 3))
     anywhere /= np.linalg.norm(anywhere, axis=1)[:, None]
     n = anywhere
     for spread in (0.1, 0.02, 0.004, 0.0):
-        near, far = 0.0, 8.0
-        for _ in range(40):
-            mid = 0.5 * (near + far)
-            b = replace(b, position=np.asarray(a.position) + mid * way)
-            near, far = (mid, far) if along(a, b, n).max() < gap else (near, mid)
-        best = n[np.argmax(along(a, b, n))]
+        opens = n @ way
+        far = (gap - along(a, replace(b, position=np.asarray(a.position)), n))[opens > 1e-9] / opens[opens > 1e-9]
+        best = n[opens > 1e-9][far.argmin()]
+        b = replace(b, position=np.asarray(a.position) + max(float(far.min()), 0.0) * way)
         near_it = best + spread * rng.normal(size=(1000, 3))
         near_it /= np.linalg.norm(near_it, axis=1)[:, None]
         n = np.vstack([best, near_it, anywhere])  # what is best near here need not be so farther out
