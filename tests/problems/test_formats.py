@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -222,6 +223,53 @@ def test_what_cannot_be_written_is_said_before(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+PAGES = Path("/proc/self/statm")
+"""Where Linux says how many pages of memory this process has."""
+
+
+@pytest.fixture
+def little_memory() -> Iterator[None]:
+    """Two gigabytes more than this process has now, and no more: HDF5 believes a damaged file that says it needs all
+    the memory of the machine, whose kernel then ends the process."""
+    if not PAGES.exists():
+        yield
+        return
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    has = int(PAGES.read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (has + 2 * 1024**3, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+@pytest.mark.skipif(not PAGES.exists(), reason="memory is limited on Linux only")
+@pytest.mark.usefixtures("little_memory")
+def test_a_file_that_asks_for_a_terabyte_is_refused(tmp_path: Path, rng: np.random.Generator) -> None:
+    """For an array that was never written; and for each of its heaps of names, whose size is the second number after
+    the signature (HDF5 file format, III.D)."""
+    path = tmp_path / "local.hdf5"
+    random_problem(rng, 2, 3).write(path, form="local")
+    raw = path.read_bytes()
+    with h5py.File(path, "a") as file:
+        del file["fclib_local/vectors/mu"]
+        file.create_dataset("fclib_local/vectors/mu", (1 << 37,), np.float64, chunks=(1 << 20,))
+    with pytest.raises(InvalidInputError, match=r"local\.hdf5 is not a sound HDF5 file: Unable to allocate 1\.00 TiB"):
+        ContactProblem.read(path)
+    refused = 0
+    for k in (k for k in range(len(raw)) if raw.startswith(b"HEAP", k)):
+        path.write_bytes(raw[: k + 8] + (1 << 40).to_bytes(8, "little") + raw[k + 16 :])
+        try:
+            ContactProblem.read(path)  # without title and description, if their names are those that are lost
+        except InvalidInputError as error:
+            assert re.search(r"local\.hdf5 (is not a sound HDF5 file: |has no )", str(error))
+            refused += 1
+    assert refused > 0
+
+
+@pytest.mark.usefixtures("little_memory")
 @pytest.mark.parametrize("name", ["local.hdf5", "global.hdf5", "text.dat"])
 def test_damaged_files_are_read_or_refused_but_never_crash(name: str, tmp_path: Path, rng: np.random.Generator) -> None:
     """A few bytes changed anywhere, or the end cut off: h5py has an exception of its own for each of them."""

@@ -28,6 +28,8 @@ from stiction.errors import InvalidInputError, NotYetError, OutputError, Stictio
 if TYPE_CHECKING:
     from stiction.problems.problem import ContactPlaces, ContactProblem, Form
 
+UNREADABLE = (OSError, RuntimeError, KeyError, ValueError, TypeError, MemoryError)
+"""What h5py makes of damaged files, which may also say that they need any amount of memory."""
 BY_COLUMNS, BY_ROWS = -1, -2
 PLACES = "stiction_places"
 
@@ -59,8 +61,9 @@ def read(path: Path) -> ContactProblem:
             return _checked(path, lambda: ContactProblem.from_global(M, H, f, w, mu, **texts))
     except StictionError:
         raise
-    except (OSError, RuntimeError, KeyError, ValueError, TypeError) as error:  # what h5py makes of damaged files
-        raise InvalidInputError(f"{path} is not a sound HDF5 file: {error.args[0]}.") from None
+    except UNREADABLE as error:
+        reason = error.args[0] if isinstance(error, KeyError) else str(error) or "it asks for too much memory"
+        raise InvalidInputError(f"{path} is not a sound HDF5 file: {reason}.") from None
 
 
 def _checked(path: Path, make: Any) -> ContactProblem:
