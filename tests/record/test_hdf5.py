@@ -353,3 +353,19 @@ def test_a_file_that_is_no_recording_is_refused_with_one_sentence(read: Any, tmp
     with pytest.raises(InvalidInputError, match="must be a file that exists"):
         read(tmp_path)
     assert read(tmp_path / "whole.h5") is not None
+
+
+@pytest.mark.parametrize("name", ["bodies", "commits", "checkpoints/rows"])
+def test_a_recording_that_lost_an_array_is_refused_with_one_sentence(name: str, tmp_path: Path) -> None:
+    """It says that it holds far more rows than fit into memory, or than it has; none of them was ever written."""
+    with RecordingWriter(tmp_path / "run.h5", crates()):
+        pass
+    with h5py.File(tmp_path / "run.h5", "a") as file:
+        lost, rows = file[name], 1 if name == "checkpoints/rows" else 1 << 60
+        shape, dtype, notes = (rows, *lost.shape[1:]), lost.dtype, dict(lost.attrs)
+        del file[name]
+        file.create_dataset(name, shape, dtype, chunks=(1, *shape[1:])).attrs.update(notes)
+    with pytest.raises(InvalidInputError) as caught:
+        restore(tmp_path / "run.h5")
+    assert str(caught.value).count("is damaged: ") == 1
+    assert str(caught.value).endswith(".")

@@ -147,7 +147,9 @@ def open_file(path: str | Path) -> tuple[h5py.File, int]:
 
 
 def damaged(path: str | Path, error: Exception) -> InvalidInputError:
-    """What to raise where a recording does not hold what it should."""
+    """What to raise where a recording does not hold what it should; what says so already is raised again."""
+    if isinstance(error, InvalidInputError):
+        return error
     return InvalidInputError(f"recording {str(path)!r} is damaged: {error}.")
 
 

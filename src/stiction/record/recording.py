@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 
 TRIES = 20
 """How often a file is read anew in which a piece became full meanwhile: to read takes much less time than a piece."""
-UNREADABLE = (KeyError, ValueError, TypeError, OSError, RuntimeError, IndexError, MemoryError)
+UNREADABLE = (KeyError, ValueError, TypeError, OSError, RuntimeError, IndexError, EOFError, MemoryError)
 """What h5py and what reads its data raise where a file does not hold what it should, or says it holds far more."""
 
 
