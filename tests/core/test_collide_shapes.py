@@ -155,12 +155,12 @@ def at_gap(rng: np.random.Generator, a: Placed, b: Placed, gap: float) -> Placed
     """
     way, anywhere = random_unit(rng), rng.normal(size=(3000, 3))
     anywhere /= np.linalg.norm(anywhere, axis=1)[:, None]
-    n = anywhere
+    n, middle = anywhere, replace(b, position=np.asarray(a.position))
     for spread in (0.1, 0.02, 0.004, 0.0):
-        opens = n @ way
-        far = (gap - along(a, replace(b, position=np.asarray(a.position)), n))[opens > 1e-9] / opens[opens > 1e-9]
-        best = n[opens > 1e-9][far.argmin()]
-        b = replace(b, position=np.asarray(a.position) + max(float(far.min()), 0.0) * way)
+        n = n[n @ way > 1e-9]
+        far = (gap - along(a, middle, n)) / (n @ way)
+        best = n[far.argmin()]
+        b = replace(b, position=middle.position + max(float(far.min()), 0.0) * way)
         near_it = best + spread * rng.normal(size=(1000, 3))
         near_it /= np.linalg.norm(near_it, axis=1)[:, None]
         n = np.vstack([best, near_it, anywhere])  # what is best near here need not be so farther out

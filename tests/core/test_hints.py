@@ -76,11 +76,9 @@ def find_with_hints(rng: np.random.Generator, kinds: tuple[str, str]) -> None:
                 assert len(plain) or hinted[:, state.SEPARATION].min() > margin - 1e-3
                 if not len(plain):
                     continue
-                normal = hinted[:1, state.NORMAL : state.NORMAL + 3]
-                one, two = (
-                    float(along(a, b, rows[:1, state.NORMAL : state.NORMAL + 3])[0]) for rows in (plain, hinted)
-                )
-                if normal[0] @ hint > 1.0 - TURNED:  # a face that is kept though another direction is a little better
+                normals = [rows[:1, state.NORMAL : state.NORMAL + 3] for rows in (plain, hinted)]
+                one, two = (float(along(a, b, normal)[0]) for normal in normals)
+                if normals[1][0] @ hint > 1.0 - TURNED:  # a face that is kept though another way is a little better
                     slack += LASTS * max(-two, 0.0)
                 assert two >= one - slack, (kinds, gap, angle, one, two)
                 depths = [rows[:, state.SEPARATION].min() for rows in (plain, hinted)]

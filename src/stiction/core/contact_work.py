@@ -88,7 +88,7 @@ def note_tumbler(bodies, i, pose, aux, w1, work, dt):
     what pulls at it besides contact, J."""
     r = i + 1
     aux[r, s.AUX_PULLED] = work
-    if not tumbles(pose, i):
+    if not tumbles(pose, r):
         I = mat33(bodies, i, INERTIA)
         if dot(w1, w1) * dt * dt <= FAST_TURN * FAST_TURN or (I.xx == I.yy and I.yy == I.zz):
             return False
@@ -119,16 +119,16 @@ def give_to_tumblers(bodies, active, count, touched, touching, soft, gravity, la
             aux[a if flow > 0.0 else b, s.AUX_OWES] += abs(flow)
             pairs += 1
             continue
-        if tumbles(pose, a - 1):
+        if tumbles(pose, a):
             aux[a, s.AUX_GIVEN] -= by_b
-        if tumbles(pose, b - 1):
+        if tumbles(pose, b):
             aux[b, s.AUX_GIVEN] += by_a
     if pairs == 0:
         return
     for k in range(touching):
-        i, r = touched[k], touched[k] + 1
-        if tumbles(pose, i) and aux[r, s.AUX_OWES] > 0.0:
-            has, lifted = means_of(bodies, i, soft, gravity)
+        r = touched[k] + 1
+        if tumbles(pose, r) and aux[r, s.AUX_OWES] > 0.0:
+            has, lifted = means_of(bodies, touched[k], soft, gravity)
             aux[r, s.AUX_OWES] = min(max(has - lifted, 0.0) / aux[r, s.AUX_OWES], 1.0)
     for k in range(count):
         a, b = active[k, 0] + 1, active[k, 1] + 1
@@ -197,9 +197,9 @@ def means_of(bodies, i, soft, gravity):
 
 
 @jit
-def tumbles(pose, i):
-    """Whether body i has turned far in the step, or soon will."""
-    return pose[i + 1, s.POSE_ODD] >= s.TUMBLES
+def tumbles(pose, r):
+    """Whether the body of row r has turned far in the step, or soon will."""
+    return pose[r, s.POSE_ODD] >= s.TUMBLES
 
 
 @jit
@@ -215,7 +215,7 @@ def hold_tumblers(bodies, kinds, touched, touching, soft, gravity):
     given in it; those that could not even rise so far for it go back."""
     for k in range(touching):
         i = touched[k]
-        if kinds[i, MOBILITY] != DYNAMIC or not tumbles(soft.pose, i):
+        if kinds[i, MOBILITY] != DYNAMIC or not tumbles(soft.pose, i + 1):
             continue
         has, lifted = means_of(bodies, i, soft, gravity)
         now, may = kinetic(bodies, i), max(has - lifted, 0.0)

@@ -43,7 +43,7 @@ def take_gains_back(bodies, kinds, active, count, touched, touching, group, soft
     enter_work_of_loads(bodies, kinds, active, count, group, soft, NOTABLE / push_out_rate, dt)
     for k in range(touching):
         i = touched[k]
-        if kinds[i, MOBILITY] == DYNAMIC and not tumbles(soft.pose, i):
+        if kinds[i, MOBILITY] == DYNAMIC and not tumbles(soft.pose, i + 1):
             r = find_group(group, i) + 1
             due, has = min(soft.aux[r, s.AUX_GAIN], soft.aux[r, s.AUX_OWES]), soft.aux[r, s.AUX_HAS]
             if due > 0.0 and has > 0.0:
@@ -101,7 +101,7 @@ def any_island_gained(bodies, kinds, touched, touching, group, soft, gravity, dt
             r = find_group(group, i) + 1
             aux[r, s.AUX_GAIN] += gain - STILL * bodies[i, MASS]
             # what tumbles has paid for its way before, and must not stop: what does not tumble is dug out for nothing
-            aux[r, s.AUX_HAS] += 0.0 if tumbles(soft.pose, i) else has
+            aux[r, s.AUX_HAS] += 0.0 if tumbles(soft.pose, i + 1) else has
             # what it was moved up by out of fixed ones, at most
             aux[r, s.AUX_OWES] += bodies[i, MASS] * length(gravity) * aux[i + 1, s.AUX_LIFTED]
     gained = False

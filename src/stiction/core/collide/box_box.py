@@ -183,7 +183,7 @@ def _next_edge(half, n, i):
 def _corner(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, margin, otherwise, bound):
     """The corner of either box that is nearest to the other one; the boxes are apart, by ``bound`` along ``otherwise``
     at least. Returns what :func:`box_box` does."""
-    least, x, y, gap, feature = math.inf, pa, pb, pb - pa, 0
+    least, middle, gap, feature = math.inf, pa, pb - pa, 0
     for side in range(2):
         p, R, h, q, S, g = pa, Ra, ha, pb, Rb, hb
         if side == 1:
@@ -198,9 +198,8 @@ def _corner(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, margin, otherwi
             # a corner of either one may be nearest to a corner of the other one
             if dot(v - w, v - w) < least * (1.0 - TOUCHING):
                 least = dot(v - w, v - w)
-                x, y = (q + S @ v, q + S @ w) if side == 0 else (q + S @ w, q + S @ v)
-                # y - x, without the rounding of where they are in the world: its length is the distance to the last bit
-                gap = S @ (w - v) if side == 0 else S @ (v - w)
+                # in the axes of that box: a difference of two places in the world would keep their rounding
+                middle, gap = q + S @ ((v + w) * 0.5), S @ (w - v if side == 0 else v - w)
                 # beyond which of the faces, either way
                 outside = _octant(v - g) | _octant(-v - g) << 3
                 feature = (15 + side) << 9 | outside << 3 | corner
@@ -209,7 +208,7 @@ def _corner(contacts, tags, count, a, pa, Ra, ha, b, pb, Rb, hb, margin, otherwi
     if distance > TOUCHING * min(min(ha.x, min(ha.y, ha.z)), min(hb.x, min(hb.y, hb.z))):
         normal = gap * (1.0 / distance)
     if distance <= margin:
-        return emit(contacts, tags, count, a, b, (x + y) * 0.5, normal, distance, feature), normal, distance
+        return emit(contacts, tags, count, a, b, middle, normal, distance, feature), normal, distance
     separation = dot(pb - pa, normal) - _reach(ha, transpose(Ra) @ normal) - _reach(hb, transpose(Rb) @ normal)
     if separation > bound:
         return count, normal, separation
